@@ -11,10 +11,11 @@ True
 
 from __future__ import annotations
 
-from typing import Any
+from typing import cast
 
 from gcode.support.lazy import lazy_exports
 from testbench.knit.catalogue import BUILT_IN
+from testbench.knit.effect import Effect
 
 
 def _homes() -> dict[str, list[str]]:
@@ -28,8 +29,8 @@ def _homes() -> dict[str, list[str]]:
 __all__, _get, __dir__ = lazy_exports(__name__, _homes())
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> type[Effect]:
     try:
-        return _get(name)
+        return cast(type[Effect], _get(name))
     except AttributeError as error:
         raise AttributeError(f"{error}; `testbench effects` lists them all") from None

@@ -63,7 +63,7 @@ def trained(compensator: TrainedCompensator | Fitted) -> TrainedCompensator:
     return compensator.trained()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class TrainedCompensator:
     """Scaler, smoothing bank (and other memories), and one or more networks whose mean is the answer.
 
@@ -114,6 +114,10 @@ class TrainedCompensator:
     seen: Seen | None = None
     beginning: Beginning | None = None
     margins: tuple[float, float] | None = None
+
+    def __repr__(self) -> str:
+        size = f"{self.input_count} memories, {self.parameter_count} weights"
+        return f"<TrainedCompensator of {self.target} in {self.unit} at {self.rate_hz:g} Hz: {size}>"
 
     @property
     def unit(self) -> str:

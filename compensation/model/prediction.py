@@ -23,7 +23,7 @@ from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Prediction:
     """A compensated signal.
 

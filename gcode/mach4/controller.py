@@ -48,7 +48,7 @@ class Machine(SpecModel):
     acceleration_mm_per_s2: Positive = DEFAULT_ACCELERATION_MM_PER_S2
     rapid_mm_per_s: Positive = 50.0
     look_ahead_blocks: Annotated[int, Field(ge=1, le=100_000)] = 20
-    corner_mm_per_s: float = Field(0.0, ge=0, allow_inf_nan=False)
+    corner_mm_per_s: float = Field(default=0.0, ge=0, allow_inf_nan=False)
 
 
 def machine_for(program: Program, acceleration_mm_per_s2: float | None = None) -> Machine:

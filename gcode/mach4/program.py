@@ -24,7 +24,7 @@ class Problem:
         return f"line {self.line}: {self.reason}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Program:
     """Moves and dwells of a program, one element a block.
 
@@ -62,6 +62,11 @@ class Program:
     header: dict[str, str] = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)
     unsaid: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        places = np.append(self.position_mm, self.start_mm)
+        refused = f", {len(self.problems)} problem(s)" if self.problems else ""
+        return f"<Program {len(self.line)} blocks, {places.min():.3g} to {places.max():.3g} mm{refused}>"
 
     @property
     def length_mm(self) -> np.ndarray:

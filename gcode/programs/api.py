@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from gcode.mach4.check import CheckResult
 from gcode.mach4.controller import Machine
@@ -72,6 +72,8 @@ def generate(
     >>> round(gcode.generate(triangles, seed=0).statistics.x_max_mm, 1)
     5.0
     """
+    if feed_mode not in get_args(FeedMode):
+        raise UserError(f"feed_mode must be {' or '.join(get_args(FeedMode))}, got {feed_mode!r}")
     wanted = changed(_spec(spec), limits, duration_s, machine_acceleration_mm_per_s2)
     return make(wanted, seed, gauge_length_mm, feed_mode)
 
@@ -140,7 +142,7 @@ def check(program: str | Path | Program | Made, limits: Limits | None = None, **
         from gcode.mach4.check import check_program
 
         return check_program(program, allowed, **options)
-    return check_file(_text_of(program)[0], allowed, **options)[0]
+    return check_file(text_of(program)[0], allowed, **options)[0]
 
 
 def play(program: str | Path | Program | Made, rate_hz: float = 20.0, machine: Machine | None = None) -> Trajectory:
@@ -171,10 +173,10 @@ def play(program: str | Path | Program | Made, rate_hz: float = 20.0, machine: M
     >>> gcode.play(gcode.generate("paper-1", seed=3, duration_s=60)).position_mm[0].item()
     0.0
     """
-    return played(program if isinstance(program, Program) else read_program(*_text_of(program)), rate_hz, machine)
+    return played(program if isinstance(program, Program) else read_program(*text_of(program)), rate_hz, machine)
 
 
-def _text_of(program: str | Path | Made) -> tuple[str, str]:
+def text_of(program: str | Path | Made) -> tuple[str, str]:
     """The text of a program, and what messages call it; a string without a line end is the path of its file."""
     if isinstance(program, Made):
         return program.program, "program"

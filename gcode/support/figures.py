@@ -47,8 +47,30 @@ def picture(draw: Callable[[Any], Any], count: int) -> str:
     return f'<img alt="" src="data:image/png;base64,{base64.b64encode(data.getvalue()).decode("ascii")}">'
 
 
-def outline(x: np.ndarray, y: np.ndarray, stretches: int = 400) -> tuple[np.ndarray, np.ndarray]:
-    """Fewer points, the same picture: the lowest and the highest of each stretch, in order of time."""
+def outline(
+    x: np.ndarray, y: np.ndarray, stretches: int = 400, gaps: Sequence[tuple[float, float]] = ()
+) -> tuple[np.ndarray, np.ndarray]:
+    """Fewer points, the same picture: the lowest and the highest of each stretch, in order of time.
+
+    Parameters
+    ----------
+    x, y : ndarray, each shape (n,)
+        `x` increases.
+    stretches : int
+    gaps : sequence of (start, end)
+        Where nothing was recorded: a NaN stands there, so that no line is drawn over what nobody has seen.
+    """
+    return broken(*_thinned(x, y, stretches), gaps)
+
+
+def broken(x: np.ndarray, y: np.ndarray, gaps: Sequence[tuple[float, float]]) -> tuple[np.ndarray, np.ndarray]:
+    """A curve with a NaN in the middle of each gap (start, end) that lies within it; see `outline`."""
+    middles = [(start + end) / 2 for start, end in gaps if x[0] <= start and end <= x[-1]]
+    rows = np.searchsorted(x, middles)
+    return np.insert(x, rows, middles), np.insert(y, rows, np.nan)
+
+
+def _thinned(x: np.ndarray, y: np.ndarray, stretches: int) -> tuple[np.ndarray, np.ndarray]:
     if len(x) <= 2 * stretches:
         return x, y
     edges = np.linspace(0, len(x), stretches + 1).astype(int)[:-1]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
+from itertools import groupby
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -41,14 +42,15 @@ def _told(cell: object) -> str:
 
 
 def strips(x: np.ndarray, signals: Mapping[str, np.ndarray]) -> str:
-    """Small curves one above the other as SVG, each with its name and range: a picture without any library."""
+    """Small curves one above the other as SVG, each with its name and range; a NaN interrupts a curve."""
     rows = []
     for title, y in signals.items():
-        low, high = float(np.min(y)), float(np.max(y))
+        low, high = float(np.nanmin(y)), float(np.nanmax(y))
         across = WIDTH * (x - x[0]) / max(float(x[-1] - x[0]), 1e-300)
         down = HEIGHT - 4 - (HEIGHT - 8) * (y - low) / max(high - low, 1e-300)
-        points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(across, down, strict=True))
-        curve = f'<polyline points="{points}" fill="none" stroke="{BLUE}" stroke-width="1"/>'
+        places = ["" if np.isnan(b) else f"{a:.1f},{b:.1f}" for a, b in zip(across, down, strict=True)]
+        lines = (" ".join(part) for seen, part in groupby(places, key=bool) if seen)
+        curve = "".join(f'<polyline points="{line}" fill="none" stroke="{BLUE}" stroke-width="1"/>' for line in lines)
         drawn = f'<svg width="{WIDTH}" height="{HEIGHT}" viewBox="0 0 {WIDTH} {HEIGHT}">{curve}</svg>'
         rows.append(f"<div>{escape(title)}: {low:.4g} to {high:.4g}</div>{drawn}")
     return "".join(rows)

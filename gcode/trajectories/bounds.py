@@ -34,8 +34,8 @@ class Limits(SpecModel):
     v_max_mm_per_s: Positive = 10.0
     a_max_mm_per_s2: Positive = 20.0
     j_max_mm_per_s3: Positive | None = None
-    x_min_mm: float = Field(-1000.0, allow_inf_nan=False)
-    x_max_mm: float = Field(1000.0, allow_inf_nan=False)
+    x_min_mm: float = Field(default=-1000.0, allow_inf_nan=False)
+    x_max_mm: float = Field(default=1000.0, allow_inf_nan=False)
 
     @model_validator(mode="after")
     def _ordered(self) -> Any:

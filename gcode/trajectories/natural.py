@@ -49,11 +49,11 @@ class Noise(RangedPiece):
     kind: Literal["noise"] = "noise"
     duration_s: Duration = 1380.0
     cells_per_s: Positive = 0.32
-    octaves: int = Field(2, ge=1, le=MAX_OCTAVES)
-    persistence: float = Field(0.3, gt=0, le=1)
-    peak: float | None = Field(None, ge=0.1, le=2.0)
-    min_speed_mm_per_s: float = Field(0.0, ge=0, allow_inf_nan=False)
-    pace_spread: float = Field(0.0, ge=0, le=3)
+    octaves: int = Field(default=2, ge=1, le=MAX_OCTAVES)
+    persistence: float = Field(default=0.3, gt=0, le=1)
+    peak: float | None = Field(default=None, ge=0.1, le=2.0)
+    min_speed_mm_per_s: float = Field(default=0.0, ge=0, allow_inf_nan=False)
+    pace_spread: float = Field(default=0.0, ge=0, le=3)
     target: Target | None = None
     sprint_mm_per_s: Positive | None = None
 

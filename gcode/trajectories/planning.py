@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from numbers import Integral, Real
+
 import numpy as np
 
 from gcode.motion.limits import drive_within, sampled_positions
@@ -84,13 +86,13 @@ def whole_path(
 
 def check_request(spec: TrajectorySpec, seed: int, gauge_length_mm: float) -> None:
     """Refuse a gauge length, a seed or a length of run that cannot be planned."""
-    if not (np.isfinite(gauge_length_mm) and SHORTEST_GAUGE_MM <= gauge_length_mm <= LONGEST_GAUGE_PLANNED_MM):
-        raise UserError(
-            f"gauge length must be {SHORTEST_GAUGE_MM:g} to {LONGEST_GAUGE_PLANNED_MM:g} mm, "
-            f"got {gauge_length_mm:g} mm"
-        )
-    if seed != int(seed) or not 0 <= seed < 2**63:
-        raise UserError(f"seed must be a whole number of 0 or more, got {seed}")
+    is_length = isinstance(gauge_length_mm, Real) and np.isfinite(gauge_length_mm)
+    if not (is_length and SHORTEST_GAUGE_MM <= gauge_length_mm <= LONGEST_GAUGE_PLANNED_MM):
+        came = f"{gauge_length_mm:g} mm" if is_length else repr(gauge_length_mm)
+        allowed = f"{SHORTEST_GAUGE_MM:g} to {LONGEST_GAUGE_PLANNED_MM:g} mm"
+        raise UserError(f"gauge length must be {allowed}, got {came}")
+    if not (isinstance(seed, Integral) and 0 <= seed < 2**63):
+        raise UserError(f"seed must be a whole number of 0 or more, got {seed!r}")
     _check_samples(sum(getattr(piece, "duration_s", 0.0) for piece in spec.pieces) * spec.rate_hz)
     strokes = sum(piece.strokes for piece in spec.pieces)
     if strokes > MOST_STROKES:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from gcode.support.errors import UserError, first_problem
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Duration = Annotated[float, Field(gt=0, le=48 * 3600, allow_inf_nan=False)]
@@ -17,3 +19,14 @@ class SpecModel(BaseModel):
     """A part of a spec: nothing unknown, and nothing changed once it is made."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+    def __init__(self, **fields: Any) -> None:
+        """Raise `UserError` where a field is unknown or missing, or has a value that it cannot have."""
+        try:
+            super().__init__(**fields)
+        except ValidationError as error:
+            raise UserError(f"{type(self).__name__}: {first_problem(error)}") from None
+
+    # As pydantic marks its own: what is validated as a part of something else is not made by a call of `__init__`, so
+    # that the error says where in the whole it is.
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]

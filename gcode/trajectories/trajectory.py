@@ -58,11 +58,11 @@ class TrajectorySpec(SpecModel):
     <Made mine, seed 0: 20.2 s, 0 to 7.5 mm>
     """
 
-    name: str = Field("trajectory", pattern=r"^[a-z0-9][a-z0-9._-]{0,40}$")
+    name: str = Field(default="trajectory", pattern=r"^[a-z0-9][a-z0-9._-]{0,40}$")
     pieces: tuple[AnyPiece, ...] = Field(min_length=1)
     limits: Limits = Limits()
     rate_hz: Annotated[float, Field(ge=1, le=1000, allow_inf_nan=False)] = 20.0
-    offset_mm: float = Field(0.0, allow_inf_nan=False)
+    offset_mm: float = Field(default=0.0, allow_inf_nan=False)
     approach_mm_per_s: Positive = 1.0
     machine_acceleration_mm_per_s2: Positive | None = None
 

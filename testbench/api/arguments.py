@@ -20,8 +20,9 @@ from testbench.knit.presets import names as preset_names
 from testbench.knit.presets import preset
 from testbench.measurements.measurement import MAX_GRID_HZ, MIN_PART
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
+from testbench.recordings.checks import known_length
 from testbench.recordings.doubts import check_gap, check_grid, say_if_same, say_sign
-from testbench.recordings.files import read_recording
+from testbench.recordings.files import SPELLINGS, read_recording, strange_names
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import ModelFile, check_same_set_up, load_model_file
 
@@ -40,7 +41,7 @@ class WithModel(Protocol):
 
 Source = str | Path | Recording
 AnyModel = KnitModel | ModelFile | WithModel | str | Path
-Effects = Catalogue | Iterable[type[Effect]] | str | Path | None
+Effects = Catalogue | type[Effect] | Iterable[type[Effect]] | str | Path | None
 
 
 def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm: float | None = None) -> Recording:
@@ -77,17 +78,26 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
     columns = {str(name): _numbers(str(name), values) for name, values in source.items()}
     if TIME not in columns:
         raise UserError(f"read: no column {TIME} (found: {', '.join(columns)}); rename yours")
+    if gauge_length_mm is None and DISPLACEMENT in columns:
+        raise UserError("read: a table does not know its gauge length; give gauge_length_mm")
     time_s = columns.pop(TIME)
-    length_mm = float("nan") if gauge_length_mm is None else gauge_length_mm
-    return Recording(time_s, columns, length_mm, f"columns-{_digest(time_s, *columns.values())}")
+    source = f"columns-{_digest(time_s, *columns.values())}"
+    return Recording(time_s, columns, known_length(gauge_length_mm, source), source)
 
 
 def _check_names(names: Iterable[str]) -> None:
-    """Refuse a column that is meant as a channel and is not called so: every model would leave it out in silence."""
+    """Refuse a column that is meant as a channel and is not called so: every model would leave it out in silence.
+
+    So, too, a name that two columns have: one of them would be left out.
+    """
     found = list(names)
+    if twice := [name for name in found if found.count(name) > 1]:
+        raise UserError(f"read: {found.count(twice[0])} columns are called {twice[0]!r}; name each column once")
     for channel in (one for one in (DISPLACEMENT, FORCE, RESISTANCE) if one not in found):
         quantity, _, unit = channel.partition("_")
         like = [name for name in found if name.lower().startswith(quantity)]
+        if channel in SPELLINGS:
+            like += strange_names(found, channel)
         if like:
             raise UserError(
                 f"read: column {like[0]!r} is not taken for the {quantity}; call it {channel}, in {unit}, "

@@ -76,8 +76,12 @@ class KnitModel:
         Raises
         ------
         UserError
-            If the model has an effect of this name already.
+            If it is no effect, or the model has an effect of this name already.
         """
+        if not isinstance(effect, Effect):
+            raise UserError(
+                f"model + {effect!r}: must be an effect, as testbench.effects.StressRelaxation(fraction=0.2)"
+            )
         place = "" if name else self.place_of(type(effect))
         if place:
             return self.replacing(place, effect)
@@ -93,10 +97,6 @@ class KnitModel:
         return KnitModel(dict(sorted(items, key=lambda item: item[1].stage)))  # sorted() is stable
 
     def __add__(self, effect: Effect) -> KnitModel:
-        if not isinstance(effect, Effect):
-            raise UserError(
-                f"model + {effect!r}: must be an effect, as testbench.effects.StressRelaxation(fraction=0.2)"
-            )
         return self.plus(effect)
 
     def place_of(self, law: type[Effect]) -> str:

@@ -22,7 +22,7 @@ LIMITS = {
 }
 NO_LIMITS = (-np.inf, np.inf)
 MOST_STRAIN = 20.0  # 2,000 %; the softest rubber tears at 10
-DROP = "`testbench import --drop-bad` leaves them out"
+DROP = "`testbench import --drop-bad` leaves them out (in a data frame, select the others)"
 HEADER_ROWS = 2  # row numbers in messages count from 1 and the header is row 1
 
 
@@ -56,6 +56,20 @@ def check(source: str, time_s: FloatArray, channels: Mapping[str, FloatArray], g
         _check_strain(source, channels[DISPLACEMENT], gauge_length_mm)
 
 
+def known_length(gauge_length_mm: float | None, source: str) -> float:
+    """A gauge length that was given, in mm; NaN where none was.
+
+    Raises
+    ------
+    UserError
+        That names `source`, if it is none that a sample can have.
+    """
+    if gauge_length_mm is None:
+        return float("nan")
+    check_gauge_length(gauge_length_mm, source)
+    return float(gauge_length_mm)
+
+
 def check_gauge_length(gauge_length_mm: float, source: str) -> None:
     """Raise `UserError`, which names `source`, unless it is a length that a sample can have."""
     if not isinstance(gauge_length_mm, Real):
@@ -83,7 +97,7 @@ def _check_time(source: str, time_s: FloatArray) -> None:
         came = f"{time_s[row]:g} s after {time_s[row - 1]:g} s"
         raise UserError(
             f"{source}: row {row + HEADER_ROWS}: time must increase, got {came}; "
-            "`testbench import --sort` puts rows in order and drops repeated times"
+            "`testbench import --sort` puts rows in order and drops repeated times (a data frame has sort_values)"
         )
 
 

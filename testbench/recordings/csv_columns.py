@@ -87,9 +87,8 @@ def _check_head(path: Path) -> None:
 
 
 def _is_remark(frame: pd.DataFrame, name: str) -> bool:
-    """Whether a column is text from top to bottom, and no channel of ours."""
-    column = frame[name]
-    return str(name).strip() not in UNITS and column.dtype.kind not in "fiub" and bool(_parsed(column).isna().all())
+    """Whether a column has no number from top to bottom (text, or a comma that ends each row); never one of ours."""
+    return str(name).strip() not in UNITS and bool(_parsed(frame[name]).isna().all())
 
 
 def _parsed(column: pd.Series) -> pd.Series:

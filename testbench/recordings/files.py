@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +12,7 @@ import numpy as np
 from gcode.support.errors import UserError
 from gcode.support.files import atomic_writer
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME, UNITS
+from testbench.recordings.checks import known_length
 from testbench.recordings.csv_columns import read_columns
 from testbench.recordings.doubts import say_once
 from testbench.recordings.recording import Recording
@@ -54,7 +55,7 @@ def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Re
         raise UserError(
             f"{path}: a bare CSV does not know its gauge length; give --gauge-length-mm (in Python: gauge_length_mm)"
         )
-    return _recording(path, columns, gauge_length_mm)
+    return _recording(path, columns, known_length(gauge_length_mm, str(path)))
 
 
 def _load_campaign(folder: Path, gauge_length_mm: float | None) -> Recording:
@@ -62,7 +63,7 @@ def _load_campaign(folder: Path, gauge_length_mm: float | None) -> Recording:
     columns = read_columns(path, growing=campaign.in_progress)
     own_mm = campaign.gauge_length_mm
     if np.isnan(own_mm):
-        own_mm = own_mm if gauge_length_mm is None else gauge_length_mm
+        own_mm = known_length(gauge_length_mm, str(folder))
     elif gauge_length_mm is not None and gauge_length_mm != own_mm:
         say_once(
             f"{folder}: its manifest says a gauge length of {own_mm:g} mm, which is used, not {gauge_length_mm:g} mm"
@@ -123,14 +124,13 @@ def _verify(folder: Path, path: Path, resources: Sequence[Resource]) -> None:
 
 
 def _recording(
-    path: Path, columns: dict[str, np.ndarray], gauge_length_mm: float | None, metadata: dict[str, Any] | None = None
+    path: Path, columns: dict[str, np.ndarray], gauge_length_mm: float, metadata: dict[str, Any] | None = None
 ) -> Recording:
     if TIME not in columns:
         raise UserError(f"{path}: no column {TIME} (found: {', '.join(columns)}); name yours with `testbench import`")
     _check_names(path, list(columns))
     time_s = columns.pop(TIME)
-    gauge_mm = np.nan if gauge_length_mm is None else float(gauge_length_mm)
-    return Recording(time_s, columns, gauge_mm, str(path), metadata or {})
+    return Recording(time_s, columns, gauge_length_mm, str(path), metadata or {})
 
 
 def _check_names(path: Path, names: list[str]) -> None:
@@ -138,8 +138,8 @@ def _check_names(path: Path, names: list[str]) -> None:
 
     Either may be missing from a recording; but one that is overlooked would be missing without a word.
     """
-    for channel in (FORCE, RESISTANCE):
-        strange = [name for name in names if name not in UNITS and _may_be(name, channel)]
+    for channel in SPELLINGS:
+        strange = strange_names(names, channel)
         if channel not in names and strange:
             raise UserError(
                 f"{path}: no column {channel}, but one called {strange[0]!r}: name it with `testbench import`, "
@@ -148,6 +148,11 @@ def _check_names(path: Path, names: list[str]) -> None:
 
 
 SPELLINGS = {FORCE: ("force", "load", "kraft"), RESISTANCE: ("resist", "widerstand", "ohm")}
+
+
+def strange_names(names: Iterable[str], channel: str) -> list[str]:
+    """Those of the names that may be the channel (one of `SPELLINGS`) under another name or unit."""
+    return [name for name in names if name not in UNITS and _may_be(name, channel)]
 
 
 def _may_be(name: str, channel: str) -> bool:

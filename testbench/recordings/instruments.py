@@ -29,8 +29,8 @@ class Truth(NamedTuple):
 class SampleClock(StrictModel):
     """When the firmware's loop reads: instantaneous rates 1/dt are lognormal with the measured mean and SD."""
 
-    rate_hz: float = Field(41.5, ge=0.01, le=1000, description="mean of 1/dt, measured on the paper's bench")
-    rate_sd_hz: float = Field(14.2, ge=0, le=500, description="standard deviation of 1/dt, measured likewise")
+    rate_hz: float = Field(default=41.5, ge=0.01, le=1000, description="mean of 1/dt, measured on the paper's bench")
+    rate_sd_hz: float = Field(default=14.2, ge=0, le=500, description="standard deviation of 1/dt, measured likewise")
 
     def times(self, duration_s: float, rng: Generator) -> FloatArray:
         """Sample times from 0 to at most `duration_s`, in whole microseconds, strictly increasing."""
@@ -49,11 +49,11 @@ class LoadCell(StrictModel):
     35 nV rms at 10 SPS; times sqrt(8) for the bandwidth at 80 SPS.
     """
 
-    capacity_N: float = Field(98.0665, gt=0, description="10 kg")
-    sensitivity_V_per_V: float = Field(2e-3, gt=0)
-    excitation_V: float = Field(5.0, gt=0)
-    rate_hz: float = Field(80.0, gt=0, le=1e5)
-    noise_V: float = Field(35e-9 * 8**0.5, ge=0)
+    capacity_N: float = Field(default=98.0665, gt=0, description="10 kg")
+    sensitivity_V_per_V: float = Field(default=2e-3, gt=0)
+    excitation_V: float = Field(default=5.0, gt=0)
+    rate_hz: float = Field(default=80.0, gt=0, le=1e5)
+    noise_V: float = Field(default=35e-9 * 8**0.5, ge=0)
 
     def read(self, truth: Truth, times_s: FloatArray, rng: Generator) -> FloatArray:
         """Force in N: the last finished conversion before each time."""
@@ -75,12 +75,12 @@ class Divider(StrictModel):
     Source: Texas Instruments ADS1115 data sheet (SBAS444): LSB 125 uV at +-4.096 V; noise at 128 SPS below one LSB.
     """
 
-    reference_ohm: float = Field(606e3, ge=1, le=1e12)
-    supply_V: float = Field(3.3, gt=0, le=4.096)
-    full_scale_V: float = Field(4.096, gt=0)
-    rate_hz: float = Field(128.0, gt=0, le=1e5)
-    average_s: float = Field(0.025, gt=0)
-    noise_V: float = Field(60e-6, ge=0, description="about half an LSB rms")
+    reference_ohm: float = Field(default=606e3, ge=1, le=1e12)
+    supply_V: float = Field(default=3.3, gt=0, le=4.096)
+    full_scale_V: float = Field(default=4.096, gt=0)
+    rate_hz: float = Field(default=128.0, gt=0, le=1e5)
+    average_s: float = Field(default=0.025, gt=0)
+    noise_V: float = Field(default=60e-6, ge=0, description="about half an LSB rms")
 
     def read(self, truth: Truth, times_s: FloatArray, rng: Generator) -> FloatArray:
         """Resistance in ohm, always finite and positive: at the rails it sticks to what the last code can express."""
@@ -106,7 +106,7 @@ class Divider(StrictModel):
 class Encoder(StrictModel):
     """Quadrature encoder on a 5 mm pitch lead screw, 1000 lines: 4000 counts a turn, 1.25 um a count."""
 
-    count_mm: float = Field(1.25e-3, gt=0)
+    count_mm: float = Field(default=1.25e-3, gt=0)
 
     def read(self, truth: Truth, times_s: FloatArray) -> FloatArray:
         """Displacement in mm, in whole counts."""
@@ -117,9 +117,9 @@ class Room(StrictModel):
     """The air around the bench, going up and down as a heating does, and a thermometer of 1/16 degree in it."""
 
     mean_C: float = 21.0
-    swing_C: float = Field(1.0, ge=0, description="amplitude")
-    period_s: float = Field(1800.0, gt=0)
-    step_C: float = Field(1 / 16, gt=0)
+    swing_C: float = Field(default=1.0, ge=0, description="amplitude")
+    period_s: float = Field(default=1800.0, gt=0)
+    step_C: float = Field(default=1 / 16, gt=0)
 
     def temperature_C(self, time_s: FloatArray, rng: Generator) -> FloatArray:
         """The true temperature; where in its cycle the run begins is left to chance."""

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
+from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,7 +29,22 @@ GAP_S, GAP_STEPS = 1.0, 10.0
 MOST_RESAMPLED, MOST_MADE_UP = 20_000_000, 1_000_000
 
 
-@dataclass(frozen=True, repr=False)
+def gaps_in(time_s: FloatArray) -> tuple[tuple[float, float], ...]:
+    """Where there is no sample: (last time before, first time after), in seconds, in order.
+
+    A step is a gap if it is longer than a second and than ten usual ones.
+
+    Parameters
+    ----------
+    time_s : ndarray, shape (n,)
+        Increasing.
+    """
+    steps_s = np.diff(time_s)
+    rows = np.flatnonzero(steps_s > max(GAP_S, GAP_STEPS * float(np.median(steps_s))))
+    return tuple((float(time_s[row]), float(time_s[row + 1])) for row in rows)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Recording:
     """Time and named channels of one run.
 
@@ -78,14 +94,14 @@ class Recording:
         from testbench.recordings.showing import as_html, titled
 
         lines = [f"{self._size}, {self.mean_rate_hz:.3g} Hz on average", *self._notes()]
-        return as_html(self.source, lines, self.time_s, titled(self.channels, self.gauge_length_mm))
+        return as_html(self.source, lines, self.time_s, titled(self.channels, self.gauge_length_mm), self.gaps)
 
     def _notes(self) -> list[str]:
         gauge = [f"gauge length {self.gauge_length_mm:g} mm"] if np.isfinite(self.gauge_length_mm) else []
         return gauge + [f"nothing was recorded from {start:.4g} to {end:.4g} s" for start, end in self.gaps]
 
     def plot(self, axes: Axes | Sequence[Axes] | None = None) -> Any:
-        """Draw every channel over time, one panel a channel.
+        """Draw every channel over time, one panel a channel; where nothing was recorded, there is no line.
 
         Parameters
         ----------
@@ -98,7 +114,7 @@ class Recording:
         """
         from testbench.recordings.showing import plot, titled
 
-        return plot(self.time_s, titled(self.channels, self.gauge_length_mm), axes)
+        return plot(self.time_s, titled(self.channels, self.gauge_length_mm), axes, self.gaps)
 
     def to_frame(self) -> pd.DataFrame:
         """Samples as a table: a row a sample, ``time_s`` and every channel a column."""
@@ -119,7 +135,7 @@ class Recording:
     def __getitem__(self, name: str) -> FloatArray:
         try:
             return self.channels[name]
-        except KeyError:
+        except (KeyError, TypeError):  # TypeError: a slice is no key
             have = ", ".join(self.channels)
             raise UserError(f"{self.source}: no channel {name}; it has {have}") from None
 
@@ -172,7 +188,15 @@ class Recording:
         return self._rows((self.time_s >= start_s) & (self.time_s < end_s))
 
     def thinned(self, every: int) -> Recording:
-        """Every n-th sample, where n is `every`, the first one included."""
+        """Every n-th sample, where n is `every`, the first one included.
+
+        Raises
+        ------
+        UserError
+            If `every` is no whole number of 1 or more, or too few samples are left.
+        """
+        if not isinstance(every, Integral) or every < 1:
+            raise UserError(f"{self.source}: thinned needs a whole number, 1 or more, got {every!r}")
         return self if every == 1 else self._rows(slice(None, None, every))
 
     def _rows(self, rows: np.ndarray | slice) -> Recording:
@@ -184,13 +208,8 @@ class Recording:
 
     @cached_property
     def gaps(self) -> tuple[tuple[float, float], ...]:
-        """Where nothing was recorded: (last time before, first time after), in seconds, in order.
-
-        A step is a gap if it is longer than a second and than ten usual ones.
-        """
-        steps_s = np.diff(self.time_s)
-        rows = np.flatnonzero(steps_s > max(GAP_S, GAP_STEPS * float(np.median(steps_s))))
-        return tuple((float(self.time_s[row]), float(self.time_s[row + 1])) for row in rows)
+        """Where nothing was recorded, see `gaps_in`."""
+        return gaps_in(self.time_s)
 
     def segments(self) -> list[Recording]:
         """The parts between gaps, of two samples or more each; time is kept as it was."""
@@ -211,9 +230,11 @@ class Recording:
         Raises
         ------
         UserError
-            If most of that grid would be made up: more than a million points in gaps. A gap of a day is a gap; see
-            `segments`. So, too, if it would have more than 20 million points.
+            If the rate is no number above 0; if most of that grid would be made up: more than a million points in
+            gaps. A gap of a day is a gap; see `segments`. So, too, if it would have more than 20 million points.
         """
+        if not isinstance(rate_hz, Real) or not rate_hz > 0:
+            raise UserError(f"{self.source}: the rate must be a number of Hz above 0, got {rate_hz!r}")
         count = int(np.floor(min(self.duration_s * rate_hz, 1e18) * (1 + 1e-12))) + 1
         made_up = rate_hz * sum(end_s - start_s for start_s, end_s in self.gaps)
         if count > MOST_RESAMPLED or made_up > max(MOST_MADE_UP, len(self)):

@@ -15,6 +15,8 @@ from testbench.recordings.channels import DISPLACEMENT, UNITS
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+Gaps = Sequence[tuple[float, float]]  # last time before, first time after, in s
+
 
 def titled(channels: Mapping[str, FloatArray], gauge_length_mm: float) -> dict[str, FloatArray]:
     """What is drawn, under the title of its axis: strain in per cent for the displacement, the rest as measured."""
@@ -28,18 +30,20 @@ def titled(channels: Mapping[str, FloatArray], gauge_length_mm: float) -> dict[s
     return drawn
 
 
-def as_html(heading: str, lines: Sequence[str], time_s: FloatArray, drawn: Mapping[str, FloatArray]) -> str:
+def as_html(
+    heading: str, lines: Sequence[str], time_s: FloatArray, drawn: Mapping[str, FloatArray], gaps: Gaps
+) -> str:
     """A card with one small curve a signal."""
-    thin = {title: outline(time_s, values, 300) for title, values in drawn.items()}
+    thin = {title: outline(time_s, values, 300, gaps) for title, values in drawn.items()}
     curves = "".join(strips(x, {title: y}) for title, (x, y) in thin.items())
     return card(heading, lines, curves)
 
 
-def plot(time_s: FloatArray, drawn: Mapping[str, FloatArray], axes: Axes | Sequence[Axes] | None) -> Any:
+def plot(time_s: FloatArray, drawn: Mapping[str, FloatArray], axes: Axes | Sequence[Axes] | None, gaps: Gaps) -> Any:
     """One panel a signal, over time, shape (signals,) of Axes."""
     on = panels(axes, len(drawn))
     for axis, (title, values) in zip(on, drawn.items(), strict=True):
-        axis.plot(*outline(time_s, values, 2000), linewidth=0.8)
+        axis.plot(*outline(time_s, values, 2000, gaps), linewidth=0.8)
         axis.set_ylabel(title)
         axis.margins(x=0)
     on[-1].set_xlabel("time / s")

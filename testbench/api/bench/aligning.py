@@ -71,9 +71,10 @@ class AlignmentResult:
         """Draw the planned and the recorded displacement, in mm over the plan's time in s; returns the axes."""
         (axis,) = panels(axes, 1)
         time_s, recorded = self.recording.time_s, self.recording[DISPLACEMENT] - self.alignment.offset_mm
-        axis.plot(*outline(time_s, recorded, 2000), color=style.MEASURED, linewidth=1.6, label="recorded")
+        gaps = self.recording.gaps
+        axis.plot(*outline(time_s, recorded, 2000, gaps), color=style.MEASURED, linewidth=1.6, label="recorded")
         planned = self.recording[PLANNED]
-        axis.plot(*outline(time_s, planned, 2000), color=style.VERMILION, linewidth=0.9, label="planned")
+        axis.plot(*outline(time_s, planned, 2000, gaps), color=style.VERMILION, linewidth=0.9, label="planned")
         axis.set_xlabel("time of the plan / s")
         axis.set_ylabel("displacement / mm")
         axis.legend(frameon=False)

@@ -9,6 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
+from gcode.programs.api import text_of
 from gcode.programs.make import Made
 from gcode.support.errors import UserError
 from gcode.support.files import write_text
@@ -126,8 +127,8 @@ def run(
     ----------
     model : KnitModel, result, path or name of a preset
         The sensor: ``"pes"``, or ``"pes@3"`` for the third specimen of its kind, are presets.
-    program : Made or path
-        From `gcode.generate`, or a Mach4 program.
+    program : Made, path or str
+        From `gcode.generate`, or a Mach4 program: its file, or its text.
     folder : path
         Of the campaign; must not exist, or be empty, or hold this campaign (or another one, with `overwrite`).
     seed : int
@@ -191,19 +192,20 @@ def run(
 def program_file(program: Made | str | Path) -> Iterator[Path]:
     """The file of a program, which a campaign's manifest vouches for if it lies in one's folder.
 
-    Of a program that was only generated, a file for the time of the block.
+    Of a program that was only generated, or given as its text, a file for the time of the block.
     """
     if not isinstance(program, Made | str | Path):
         raise UserError(
             f"program: must be what gcode.generate made, or the path of one, got {type(program).__name__}"
         )
-    if not isinstance(program, Made):
+    is_text = isinstance(program, str) and "\n" in program
+    if not isinstance(program, Made) and not is_text:
         check_beside(Path(program))
         yield Path(program)
         return
     with TemporaryDirectory(prefix="knitbench-") as folder:
         path = Path(folder) / "program.tap"
-        write_text(path, program.program)
+        write_text(path, text_of(program)[0])
         yield path
 
 

@@ -42,8 +42,8 @@ def simulate(
     ----------
     model : KnitModel, result, path or name of a preset
         The sensor; the presets ``"pes"`` and ``"lycra"`` behave like published ones.
-    program : Made or path
-        From `gcode.generate`, or a Mach4 program.
+    program : Made, path or str
+        From `gcode.generate`, or a Mach4 program: its file, or its text.
     seed : int
         Of noise and sampling times.
     gauge_length_mm : float, optional
@@ -80,7 +80,7 @@ def simulate(
         plan, motion = planned(sensor, path, seed, gauge_length_mm, instruments, earlier, rest_s)
         simulate_campaign(plan, Path(temporary) / "campaign", motion)
         recording = read_recording(Path(temporary) / "campaign")
-    name = f"{program.spec.name}-{program.seed}" if isinstance(program, Made) else Path(program).name
+    name = f"{program.spec.name}-{program.seed}" if isinstance(program, Made) else path.name
     return replace(recording, source=f"simulated {name}, seed of noise {seed}")
 
 

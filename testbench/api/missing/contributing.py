@@ -24,6 +24,7 @@ from testbench.comparing.model_errors import channel_name
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.effect import Effect
 from testbench.measurements.responses import CONDUCTANCE_CHANNEL
+from testbench.recordings.recording import gaps_in
 from testbench.report import style
 from testbench.report.words import spoken
 from testbench.results.model_file import ModelFile
@@ -79,13 +80,14 @@ class ContributionResult:
         ndarray of Axes, shape (channels,)
         """
         found = self.contribution
-        on = panels(axes, len(found.added))
+        on, gaps = panels(axes, len(found.added)), gaps_in(found.time_s)
         for axis, channel in zip(on, found.added, strict=True):
             for values, colour, label in (
                 (found.residual[channel], style.MEASURED, "what the model leaves"),
                 (found.added[channel], style.VERMILION, f"what {spoken(self.effect.name)} would add"),
             ):
-                axis.plot(*outline(found.time_s, values, 2000), color=colour, linewidth=1, label=label)
+                drawn = outline(found.time_s, values, 2000, gaps)
+                axis.plot(*drawn, color=colour, linewidth=1, label=label)
             axis.set_ylabel(residual_label(channel))
             axis.margins(x=0)
         on[0].legend(frameon=False, ncols=2)

@@ -72,8 +72,12 @@ class DiagnosisResult(ModelResult):
 
     @property
     def probabilities(self) -> Mapping[str, float]:
-        """Of ``nothing``, ``unknown`` and every mechanism: what is missing most; the largest first. They sum to 1."""
-        return dict(sorted(self.diagnosis.probabilities.items(), key=lambda one: -one[1]))
+        """Of ``nothing``, ``unknown`` and every mechanism: what is missing most; the largest first. They sum to 1.
+
+        Those that are alike stand in the order of the ranking.
+        """
+        places = {one.effect: place for place, one in enumerate(self.diagnosis.ranking)}
+        return dict(sorted(self.diagnosis.probabilities.items(), key=lambda one: (-one[1], places.get(one[0], -1))))
 
     @property
     def words(self) -> str:

@@ -160,7 +160,7 @@ def beyond_calibration(calibration: Measurement, held: Measurement) -> str:
     margin = BEYOND * float(fitted.max() - fitted.min())
     if judged.max() <= fitted.max() + margin and judged.min() >= fitted.min() - margin:
         return ""
-    spans = [f"{100 * strain.min():.1f} to {100 * strain.max():.1f} %" for strain in (judged, fitted)]
+    spans = [f"{100 * strain.min():z.1f} to {100 * strain.max():z.1f} %" for strain in (judged, fitted)]
     return (
         f"{held.recording.source}: the held-out strain, {spans[0]}, leaves the {spans[1]} that was fitted on; "
         "there its errors are those of an extrapolation"

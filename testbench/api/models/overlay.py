@@ -12,6 +12,7 @@ from testbench.comparing.model_errors import channel_name
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.responses import UNIT_OF
+from testbench.recordings.recording import gaps_in
 from testbench.report import style
 from testbench.report.figures.comparison_figures import CHANNEL_TITLES, model_colour
 
@@ -27,12 +28,14 @@ def plot_overlay(
     on = panels(axes, len(measurement.channels))
     rows = measurement.counts
     time_s = measurement.grid_s[rows]
+    gaps = gaps_in(time_s)
     for axis, channel in zip(on, measurement.channels, strict=True):
-        measured = outline(time_s, measurement.measured[channel][rows], 2000)
+        measured = outline(time_s, measurement.measured[channel][rows], 2000, gaps)
         axis.plot(*measured, color=style.MEASURED, linewidth=1.6, label="measured")
         for index, (label, signals) in enumerate(modelled.items()):
             colour = model_colour(index, len(modelled))
-            axis.plot(*outline(time_s, signals[channel][rows], 2000), color=colour, linewidth=0.9, label=label)
+            drawn = outline(time_s, signals[channel][rows], 2000, gaps)
+            axis.plot(*drawn, color=colour, linewidth=0.9, label=label)
         axis.set_ylabel(in_a_sentence(CHANNEL_TITLES[channel]))
         axis.margins(x=0)
     on[0].legend(frameon=False, ncols=3)

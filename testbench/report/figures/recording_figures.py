@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from gcode.support.arrays import FloatArray
-from gcode.support.figures import histogram_range
+from gcode.support.figures import broken, histogram_range
 from testbench.comparing.numbers import span
 from testbench.recordings.channels import DISPLACEMENT, RESISTANCE, TEMPERATURE
 from testbench.recordings.channels import FORCE as FORCE_CHANNEL
@@ -69,7 +70,7 @@ def time_series(
     time_s = recording.time_s[rows]
     channels = channels_of(recording, resistance)
     traces = [
-        line(time_s, values[rows], colour, title.split(" / ")[0], row)
+        line(time_s, values[rows], colour, title.split(" / ")[0], row, gaps=recording.gaps)
         for row, (title, values, colour) in enumerate(channels)
     ]
     axes = style.stacked_axes([title for title, _, _ in channels], "Time / s")
@@ -77,12 +78,23 @@ def time_series(
 
 
 def line(
-    time_s: FloatArray, values: FloatArray, colour: str, name: str, row: int = 0, points: int = POINTS, **more: Any
+    time_s: FloatArray,
+    values: FloatArray,
+    colour: str,
+    name: str,
+    row: int = 0,
+    points: int = POINTS,
+    gaps: Sequence[tuple[float, float]] = (),
+    **more: Any,
 ) -> dict[str, Any]:
-    """A line over time in row `row` of a stacked figure, downsampled to `points` so that peaks stay."""
+    """A line over time in row `row` of a stacked figure, downsampled to `points` so that peaks stay.
+
+    It is broken at each of the `gaps`, (last time before, first time after).
+    """
     kept = rows_to_draw(values, points)
+    x, y = broken(time_s[kept], values[kept], gaps)
     look = {"name": name, "yaxis": style.y_ref(row), "hovertemplate": "%{y:.4g} at %{x:.1f} s", **more}
-    return style.curve(time_s[kept], values[kept], colour, width=1.2, **look)
+    return style.curve(x, y, colour, width=1.2, **look)
 
 
 def hysteresis_loops(recording: Recording, resistance: bool = False) -> style.Figure | None:

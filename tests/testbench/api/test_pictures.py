@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import matplotlib as mpl
+import numpy as np
 import pytest
 
 import testbench as tb
@@ -84,3 +85,17 @@ def test_what_a_candidate_would_add_is_named_as_the_residual_that_it_is():
     said = [text.get_text() for text in first.get_legend().get_texts()]
     assert said[0] == "what the model leaves"
     assert re.fullmatch(r"what stress relaxation[a-z ]* would add", said[1])
+
+
+def test_no_line_is_drawn_over_a_gap():
+    whole = relaxed().to_frame()
+    gappy = tb.read(whole[(whole["time_s"] < 40) | (whole["time_s"] > 60)], 25)
+    ((start_s, end_s),) = gappy.gaps
+    for plot, count in ((gappy.plot, 3), (tb.fit(gappy, progress=False).plot, 2)):
+        for axis in drawn(plot, count):
+            for line in axis.get_lines():
+                x, y = line.get_xdata(), line.get_ydata()
+                inside = (x[1:] > start_s + 0.5) & (x[:-1] < end_s - 0.5)
+                assert inside.any()
+                assert np.isnan(y[1:] + y[:-1])[inside].all()
+    assert gappy._repr_html_().count("<polyline") == 2 * relaxed()._repr_html_().count("<polyline")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +12,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
+import compensation
 import gcode
 import testbench as tb
 from testbench.api.models.adding import laws_with
@@ -41,6 +44,28 @@ def test_a_recording_tells_and_draws_itself():
     again = json.loads(json.dumps(recording.to_dict()))
     assert again["columns"]["force_N"] == recording["force_N"].tolist()
     assert again["gauge_length_mm"] == 25.0
+
+
+def program() -> gcode.Program:
+    """As read from its file."""
+    from gcode.mach4.reader import read_program
+
+    return read_program(gcode.generate("paper-1", seed=3, duration_s=20).program)
+
+
+def compensator():
+    """Fitted as quickly as one can be."""
+    recording = relaxed().resampled(20.0)
+    fitted_one = compensation.Compensator(method="paper")
+    return fitted_one.fit(recording.conductance_S[:, None], recording["force_N"]).trained()
+
+
+@pytest.mark.parametrize("make", [relaxed, program, compensator])
+def test_what_holds_arrays_can_be_compared_looked_up_and_shown_in_a_line(make):
+    one = make()
+    assert one != copy.deepcopy(one)
+    assert one in {one}
+    assert re.fullmatch(r"<[A-Z].{,150}>", repr(one))
 
 
 def test_a_recording_can_be_read_from_a_frame_that_it_gave():
@@ -166,6 +191,15 @@ def test_an_effect_of_ones_own_takes_part(tmp_path):
     assert tb.ladder(tmp_path / "model.json", effects=[Loose]).steps == ("given model",)
     with pytest.raises(tb.UserError, match="an effect called stress_relaxation already"):
         tb.fit(relaxed(), effects=[tb.effects.StressRelaxation])
+
+
+def test_the_picture_of_a_diagnosis_and_its_table_have_one_order():
+    """Most mechanisms have the probability of no evidence, all the same: the table ranks them by their evidence."""
+    d = diagnosed()
+    told = [name for name in d.probabilities if name not in ("nothing", "unknown")]
+    ranked = d.to_frame()
+    assert ranked.probability.duplicated().any()
+    assert told == ranked.sort_values("probability", ascending=False, kind="stable").effect.tolist()
 
 
 def test_a_diagnosis_has_probabilities_a_picture_and_a_ladder():

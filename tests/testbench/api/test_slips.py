@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -24,6 +25,58 @@ SLIPS = {
     "a length as text": (
         lambda: tb.read(TIMES | {"force_N": [0, 1, 2]}, "25"),
         "got '25' (str)",
+    ),
+    "a length as text, for a recording that needs none": (
+        lambda: tb.read({"time_s": [0, 1], "force_N": [0, 1], "resistance_ohm": [1, 2]}, "25"),
+        "got '25' (str)",
+    ),
+    "no length": (
+        lambda: tb.read(TIMES | {"force_N": [0, 1, 2]}),
+        "a table does not know its gauge length; give gauge_length_mm",
+    ),
+    "a load in kN": (
+        lambda: tb.read(pd.DataFrame(TIMES | {"load_kN": [0, 1, 2]}), 25),
+        "column 'load_kN' is not taken for the force; call it force_N, in N, or leave it out",
+    ),
+    "one name for two columns": (
+        lambda: tb.read(pd.concat([pd.DataFrame(TIMES), pd.DataFrame(TIMES)], axis=1), 25),
+        "read: 2 columns are called 'time_s'; name each column once",
+    ),
+    "a gap as NaN": (
+        lambda: tb.read(pd.DataFrame(TIMES | {"force_N": [0, np.nan, 2]}), 25),
+        "force_N is nan (1 such row); `testbench import --drop-bad` leaves them out (in a data frame, select the",
+    ),
+    "rows of a recording": (
+        lambda: tb.example(duration_s=20)[0:5],
+        "no channel slice(0, 5, None); it has displacement_mm",
+    ),
+    "no rate": (lambda: tb.example(duration_s=20).resampled(0), "must be a number of Hz above 0, got 0"),
+    "a rate as text": (lambda: tb.example(duration_s=20).resampled("20"), "a number of Hz above 0, got '20'"),
+    "every half sample": (lambda: tb.example(duration_s=20).thinned(0.5), "a whole number, 1 or more, got 0.5"),
+    "a piece with a field that it has not": (
+        lambda: gcode.Triangle(high_percent=20, speed_mm_per_s=1, cycles=3, low=0),
+        "Triangle: low: there is no such entry; leave it out, or mend its name, got 0",
+    ),
+    "a piece that goes nowhere": (
+        lambda: gcode.Triangle(high_percent=-20, speed_mm_per_s=1, cycles=3),
+        "Triangle: low_percent must be below high_percent, got 0 and -20",
+    ),
+    "a limit as text": (lambda: gcode.Limits(v_max_mm_per_s="fast"), "Limits: v_max_mm_per_s: Input should be"),
+    "a length as text, to plan": (
+        lambda: gcode.generate("paper-1", seed=1, gauge_length_mm="25", duration_s=20),
+        "mm, got '25'",
+    ),
+    "a seed as text, to plan": (
+        lambda: gcode.generate("paper-1", seed="3", duration_s=20),
+        "seed must be a whole number of 0 or more, got '3'",
+    ),
+    "a feed mode that there is not": (
+        lambda: gcode.generate("paper-1", seed=1, duration_s=20, feed_mode="G00"),
+        "feed_mode must be G94 or G93, got 'G00'",
+    ),
+    "a list of effects for a model": (
+        lambda: tb.KnitModel.of([tb.effects.StressRelaxation()]),
+        "model + [StressRelaxation(",
     ),
     "an effect by its name": (
         lambda: tb.baseline() + "stress_relaxation",

@@ -22,6 +22,7 @@ FINE = {
     "quotes": GOOD.replace("0.2,900", '"0.2",900'),
     "spaces": GOOD.replace(",", ", "),
     "a column of remarks": GOOD.replace("ohm\n", "ohm,note\n").replace("00\n", "00,fine\n"),
+    "a comma that ends each row": GOOD.replace("\n", ",\n"),
 }
 BAD = {
     "": "the file is empty",

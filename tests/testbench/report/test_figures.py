@@ -134,6 +134,16 @@ def test_zooming_draws_the_stretch_in_full() -> None:
     assert np.count_nonzero((x >= 100) & (x <= 130)) == np.count_nonzero(inside)
 
 
+def test_a_time_series_is_broken_where_nothing_was_recorded():
+    whole = samples.recording()
+    kept = (whole.time_s < 20.0) | (whole.time_s > 40.0)
+    gappy = replace(
+        whole, time_s=whole.time_s[kept], channels={name: one[kept] for name, one in whole.channels.items()}
+    )
+    for trace in recording_figures.time_series(gappy)["data"]:
+        assert [20 < x < 40 for x, y in zip(trace["x"], trace["y"], strict=True) if np.isnan(y)] == [True]
+
+
 def test_a_recording_of_motion_alone_has_no_loops() -> None:
     assert recording_figures.hysteresis_loops(samples.recording(force=False, resistance=False)) is None
 
