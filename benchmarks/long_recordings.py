@@ -39,7 +39,9 @@ def main() -> int:
         running = subprocess.Popen([Path(sys.executable).with_name("testbench"), *words])
         most = 0
         while running.poll() is None:
-            most = max(most, memory_of(running.pid))
+            held, then = memory_of(running.pid), memory_of(running.pid)
+            if held.keys() == then.keys():  # else what a process has that just began, or ended, may count twice
+                most = max(most, sum(then.values()))
             time.sleep(LOOK_EVERY_S)
     took_s, used = time.monotonic() - begun, resource.getrusage(resource.RUSAGE_CHILDREN)
     print(
@@ -49,16 +51,16 @@ def main() -> int:
     return running.returncode
 
 
-def memory_of(pid: int) -> int:
-    """Bytes that a process and all that it started hold together; what they share counts once."""
+def memory_of(pid: int) -> dict[int, int]:
+    """Bytes that a process and all that it started hold, by number; of what n of them share each holds 1 / n."""
     try:
         rollup = Path(f"/proc/{pid}/smaps_rollup").read_text()
         children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
     except OSError:  # it has just ended
-        return 0
+        return {}
     own = next((int(line.split()[1]) for line in rollup.splitlines() if line.startswith("Pss:")), 0)
-    return own * 1024 + sum(memory_of(int(child)) for child in children)
+    return {pid: own * 1024} | {key: held for child in children for key, held in memory_of(int(child)).items()}
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    raise SystemExit(main())
