@@ -113,7 +113,8 @@ def continued(left: Left, now_s: float) -> Intake:
         # Every loss leaves an event, so the rows since the last one have no number missing.
         since = sum(time_us > stamp_us for time_us in left.times_us)
         anchor = Anchor(int(stamp.boot, 16), micros, left.last_time_us, now_s - left.idle_s)
-        intake.continue_from(anchor, (stamp.sequence + since) % SEQUENCE_WRAP)
+        interval_us = (left.last_time_us - stamp_us) / since if since else None
+        intake.continue_from(anchor, (stamp.sequence + since) % SEQUENCE_WRAP, interval_us)
     elif left.last_time_us is not None:
         # A power cut took the event with the device's clock: what comes is as after a reboot, timed by the host.
         intake.continue_from(Anchor(UNKNOWN_BOOT, 0, left.last_time_us, now_s - left.idle_s), 0)
