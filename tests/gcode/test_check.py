@@ -131,6 +131,21 @@ def test_inches_and_incremental_moves_are_understood():
     np.testing.assert_allclose(program.feed_mm_per_s, 25.4 / 60)
 
 
+def test_an_axis_that_shakes_in_step_with_the_samples_is_seen():
+    """It turns every 25 ms on a controller of 100 mm/s2: its samples at 20 Hz all lie at one place."""
+    body = "G1 X0.015 F60\n" + "X0\nX0.015\n" * 1000 + "X0\nM30\n"
+    result = check_program(parse_program(START + body), Limits(a_max_mm_per_s2=20.0))
+    assert result.statistics.v_max_mm_per_s < 1e-9
+    assert "executed speed changes by 1.91 mm/s within 0.0191 s" in str(result.problems[0])
+
+
+def test_speeds_that_change_in_step_with_the_samples_are_seen():
+    """Fast and slow in turn: the mean speed over each sample is the same."""
+    body = "".join(f"G1 X{0.05 * n + 0.04:.4f} F120\nX{0.05 * n + 0.05:.4f} F12\n" for n in range(200))
+    result = check_program(parse_program(START + body + "M30\n"), Limits(a_max_mm_per_s2=20.0))
+    assert "executed" in str(result.problems[0])
+
+
 def test_our_own_program_passes_at_its_limits_and_fails_below_them():
     program = parse_program(make(preset("paper-1"), 51, 25.0).program)
     assert check_program(program, Limits(v_max_mm_per_s=4.4, a_max_mm_per_s2=20, x_min_mm=0, x_max_mm=7.5)).ok
