@@ -83,6 +83,22 @@ def test_a_sound_foreign_program_passes():
         ("G1 X1 F6\nM0\nG1 X0\nM30\n", 3, "waits for somebody"),
         ("G1 X1 F6\nG80\nX0\nM30\n", 4, "before any G0 or G1"),
         ("G1 X1 F6\nG4 P1.0\nP5.0\nG1 X0\nM30\n", 4, "P stands without the G4"),
+        # LinuxCNC stops at these, with the axis where it is.
+        ("G1 X1 F6 N5\nM30\n", 2, "N5 stands behind another word"),
+        ("N1 N2 G1 X1 F6\nM30\n", 2, "N is given twice"),
+        ("N-1 G1 X1 F6\nM30\n", 2, "N-1 must be a whole number, 0 or more"),
+        ("G1 X1 F6\nT1.5\nM30\n", 3, "T1.5 must be a whole number"),
+        ("G1 X1 F6 S-5\nM30\n", 2, "S-5 must be a number, 0 or more"),
+        ("G1 X1 F6\nG1 G1 X0\nM30\n", 3, "G1 is given twice"),
+        ("G1 X1 F6\nG4 G4 P1.0\nM30\n", 3, "G4 is given twice"),
+        ("G40 G40\nG1 X1 F6\nM30\n", 2, "G40 is given twice"),
+        ("G1 X1 F6\nM48 M49\nM30\n", 3, "M48 and M49 exclude each other"),
+        ("G1 X1 F6\nM2 M30\n", 3, "M2 and M30 exclude each other"),
+        ("G1 X1 F6\nG(a)1 X0\nM30\n", 3, "cannot read 'G()1 X0'"),
+        # It leaves out strokes that are shorter than the tolerance.
+        ("G64 P9\nG1 X5 F6\nX0.1\nM30\n", 2, "G64 P9 lets the axis leave out strokes"),
+        ("G64 P-1\nG1 X5 F6\nM30\n", 2, "P may be from 0 to 0.05 mm"),
+        ("G20 G64 P0.01\nG1 X5 F6\nM30\n", 2, "P may be from 0 to 0.05 mm"),
         ("G1 X1 F6\n", 2, "does not end with M30"),
         ("M30\n", 1, "moves nothing"),
     ],
@@ -107,6 +123,11 @@ def test_a_dwell_before_the_first_move_says_no_mode():
 
 def test_comments_that_only_speak_are_let_through():
     assert reasons("(MSG, hello)\n(logbook 7)\n(probe 3)\n(py)\n" + SOUND) == []
+
+
+def test_words_that_stand_once_in_a_line_and_a_narrow_tolerance_are_let_through():
+    body = "G17 G40 G49 G80 G54\nG64 P0.02\nN10 T1 S0 G1 X1 F6 (a) M5 M9\nN20 X0 ;b\nN30 (c) M30\n"
+    assert check_program(parse_program(START + body), Limits()).ok
 
 
 def test_a_percent_sign_may_begin_and_follow_a_program():
