@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 LONGEST_DWELL_S = 120.0  # in files that others made; a longer P is most likely milliseconds
 LONGEST_RUN_S = MAX_PLAYED_S  # what takes longer is not executed, and refused
 TOLERANCE_MM = 1e-6
+# Within these parts of a sample the speed may change by what the limit allows from one sample to the next, and by a
+# quarter more: our own programs need up to 1.24. No shaking keeps in step with both of them and with the samples.
+PARTS_OF_A_SAMPLE, ALLOWED_WITHIN = (0.382, 0.618), 1.25
 ACCELERATION_FACTOR = 5.0  # a controller faster than the limit shows whether the program itself asks for too much
 
 
@@ -220,6 +223,32 @@ def _executed(
     for excess in excesses(position_mm, rate_hz, limits):
         if excess.name == "position":
             continue
-        block = min(int(np.searchsorted(motion.block_end_s, (excess.sample + 1) / rate_hz)), len(program.line) - 1)
-        problems.append(Problem(int(program.line[block]), f"executed {excess.at(rate_hz)}"))
+        line = _line_at(program, motion, (excess.sample + 1) / rate_hz)
+        problems.append(Problem(line, f"executed {excess.at(rate_hz)}"))
+    if not problems:
+        problems = _between_samples(program, motion, rate_hz, limits)
     return problems, motion_statistics(position_mm, rate_hz)
+
+
+def _between_samples(program: Program, motion: Motion, rate_hz: float, limits: Limits) -> list[Problem]:
+    """What samples at `rate_hz` do not show: an axis that shakes in step with them seems to stand still."""
+    allowed = ALLOWED_WITHIN * limits.a_max_mm_per_s2 / rate_hz
+    most, within_s, when_s = max(
+        (change, part / rate_hz, when_s)
+        for part in PARTS_OF_A_SAMPLE
+        for change, when_s in [motion.largest_change(part / rate_hz)]
+    )
+    if most <= allowed:
+        return []
+    return [
+        Problem(
+            _line_at(program, motion, when_s),
+            f"executed speed changes by {most:.4g} mm/s within {within_s:.3g} s at {when_s:.2f} s, between samples "
+            f"at {rate_hz:g} Hz: {limits.a_max_mm_per_s2:g} mm/s2 allow {allowed:.3g} mm/s there",
+        )
+    ]
+
+
+def _line_at(program: Program, motion: Motion, time_s: float) -> int:
+    """The line that is executed at a time."""
+    return int(program.line[min(int(np.searchsorted(motion.block_end_s, time_s)), len(program.line) - 1)])

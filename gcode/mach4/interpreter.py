@@ -21,8 +21,14 @@ NO_FEED = "no F is in force"
 BESIDE = "stands beside G20 or G21 and is taken in the unit before; say it again below"
 _INCH = 25.4
 _OFFSETS = {54.0, 55.0, 56.0, 57.0, 58.0, 59.0}
-# G4 beside G64: a P may be the time of one or the tolerance of the other.
-_EXCLUSIVE = ({0.0, 1.0, 4.0}, {20.0, 21.0}, {90.0, 91.0}, {93.0, 94.0}, {61.0, 64.0}, {4.0, 64.0}, _OFFSETS)
+_EXCLUSIVE = (
+    *(("G", group) for group in ({0.0, 1.0, 4.0}, {20.0, 21.0}, {90.0, 91.0}, {93.0, 94.0}, {61.0, 64.0}, _OFFSETS)),
+    *(("G", {code}) for code in (17.0, 40.0, 49.0, 80.0)),
+    ("G", {4.0, 64.0}),  # a P may be the time of one or the tolerance of the other
+    *(("M", group) for group in ({0.0, 1.0, 2.0, 30.0}, {5.0}, {9.0}, {48.0, 49.0})),
+)
+_ONCE = "NTSXFP"  # letters that a line may have once
+_WIDEST_MM = 0.05  # by which a controller may leave the path; LinuxCNC leaves out strokes that are shorter
 _IGNORED_G = {4.0, 17.0, 40.0, 49.0, 80.0}  # G4 and G80 have a say when the whole line is read
 _IGNORED_M = {5.0, 9.0, 48.0, 49.0}
 _STARTS_M = {3.0: "the spindle", 4.0: "the spindle", 7.0: "the coolant", 8.0: "the coolant"}
@@ -90,8 +96,8 @@ def block(state: State, number: int, words: list[tuple[str, float]]) -> None:
             return refuse(problem)
     if ("G", 80.0) in words:
         state.motion = None  # beside G0 or G1 some readers heed it, whatever their order, and some do not
-    if ("G", 4.0) not in words and "P" in values and ("G", 64.0) not in words:
-        return refuse("P stands without the G4 that it belongs to")
+    if problem := _p(state, words, values):
+        return refuse(problem)
     if values.get("F", 1.0) <= 0:
         refuse(f"feed F{values['F']:g} is not above 0; the axis would never arrive")
     _unit(state, number, words, values)
@@ -104,6 +110,17 @@ def block(state: State, number: int, words: list[tuple[str, float]]) -> None:
     # An interpreter moves first and waits then, whatever their order in the line.
     if state.rows and (waits := [value for letter, value in words if letter == "M" and value in _WAITS_M]):
         refuse(f"M{waits[0]:g} waits for somebody in mid-program, for a time that the file does not say")
+    return None
+
+
+def _p(state: State, words: list[tuple[str, float]], values: dict[str, float]) -> str | None:
+    """Why a P is refused that is no time of a dwell."""
+    if "P" not in values or ("G", 4.0) in words:
+        return None
+    if ("G", 64.0) not in words:
+        return "P stands without the G4 that it belongs to"
+    if not 0 <= values["P"] * state.unit <= _WIDEST_MM:
+        return f"G64 P{values['P']:g} lets the axis leave out strokes; P may be from 0 to {_WIDEST_MM:g} mm"
     return None
 
 
@@ -121,11 +138,27 @@ def _unit(state: State, number: int, words: list[tuple[str, float]], values: dic
 
 
 def _clash(words: list[tuple[str, float]]) -> str | None:
-    """Two words in a line that exclude each other: an interpreter takes either, or stops."""
-    codes = {value for letter, value in words if letter == "G"}
-    for group in _EXCLUSIVE:
-        if len(codes & group) > 1:
-            return " and ".join(f"G{code:g}" for code in sorted(codes & group)) + " exclude each other in one line"
+    """Two words in a line that exclude each other: an interpreter takes either, or stops there, half-way."""
+    for place, (letter, value) in enumerate(words):
+        if letter in _ONCE and any(other == letter for other, _ in words[:place]):
+            return f"{letter} is given twice"
+        if letter in "NTS" and (problem := _number(place, letter, value)):
+            return problem
+    for letter, group in _EXCLUSIVE:
+        found = sorted(value for other, value in words if other == letter and value in group)
+        if len(found) > 1 and found[0] == found[-1]:
+            return f"{letter}{found[0]:g} is given twice"
+        if len(found) > 1:
+            return " and ".join(f"{letter}{code:g}" for code in found) + " exclude each other in one line"
+    return None
+
+
+def _number(place: int, letter: str, value: float) -> str | None:
+    """What is wrong with a number of a line, a tool or a spindle, which move nothing: an interpreter stops at it."""
+    if letter == "N" and place:
+        return f"N{value:g} stands behind another word; the number of a line comes first"
+    if value < 0 or (letter != "S" and value != int(value)):
+        return f"{letter}{value:g} must be a {'' if letter == 'S' else 'whole '}number, 0 or more"
     return None
 
 
@@ -138,9 +171,8 @@ def _word(state: State, values: dict[str, float], letter: str, value: float) -> 
     if letter == "M":
         return _m(state, value)
     if letter in "XFP":
-        problem = f"{letter} is given twice" if letter in values else None
         values[letter] = value
-        return problem
+        return None
     return None if letter in "NTS" else f"{letter} is not for a single-axis machine (only X moves)"
 
 

@@ -24,7 +24,8 @@ MOST_LINES = 25_000_000  # the longest program that is written here has 20 milli
 MOST_PROBLEMS = 1000  # then it is read no further
 _OWN_MOVE = re.compile(r"G1 X(-?\d{1,6}\.\d{1,9}) F(\d{1,9}\.\d{1,9})(?: \(STEPS (\d{1,7})\))?", re.ASCII)
 _COMMENT = re.compile(r"\(([^()]*)\)")
-_WORD = re.compile(r"\s*([A-Z])\s*([+-]?(?:\d+\.?\d*|\.\d+))(?![\d.])", re.ASCII)
+_THERE = "\x01"  # stands where a comment stood: between words, but not in one, where an interpreter stops
+_WORD = re.compile(rf"[\s{_THERE}]*([A-Z])\s*([+-]?(?:\d+\.?\d*|\.\d+))(?![\d.])", re.ASCII)
 _KEY = re.compile(r"([A-Z0-9_.]+): (.*)")
 _ACTED_ON = re.compile(r"(?:LOG|LOGOPEN|LOGAPPEND|PY),|LOGCLOSE|PROBEOPEN|PROBECLOSE")  # LinuxCNC; MSG only shows
 _WHOLE_DWELL = re.compile(r"(?=.*G\s*0*4(?:\.0*)?(?![\d.])).*P\s*(\d{3,})(?![\d.])", re.ASCII)
@@ -109,7 +110,7 @@ def _line(state: State, number: int, line: str) -> None:
     if len(line) > MAX_LINE:
         return refuse(f"the line is {len(line)} characters long; controllers take at most {MAX_LINE}")
     _comments(state, number, line)
-    code = _COMMENT.sub(" ", line).split(";")[0].strip().upper()
+    code = _COMMENT.sub(_THERE, line).split(";")[0].strip(f" \t{_THERE}").upper()
     if not _PRINTED.fullmatch(line):
         # A lone carriage return ends a line, and with it a comment, on some controllers.
         return refuse("the line holds characters that are not ASCII, or not printed; controllers choke on them")
@@ -153,12 +154,12 @@ def _words(code: str) -> list[tuple[str, float]] | str:
     while at < len(code):
         match = _WORD.match(code, at)
         if not match:
-            rest = code[at:].strip()
+            rest = code[at:].replace(_THERE, "()").strip()
             if "NAN" in code or "INF" in code:
                 return f"{rest[:20]!r} is not a number"
             return f"cannot read {rest[:20]!r} (exponents, expressions and variables are not plain G-code)"
         words.append((match[1], float(match[2])))
         at = match.end()
         if re.match(r"E[+-]?\d", code[at:]):
-            return f"{code[match.start() : at + 4].strip()!r} has an exponent; controllers refuse it"
+            return f"{code[match.start() : at + 4].strip(f' {_THERE}')!r} has an exponent; controllers refuse it"
     return words

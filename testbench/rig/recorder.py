@@ -128,7 +128,7 @@ class Recorder:
         self._window: tuple[int, int] | None = None
         self._reported_s = float("-inf")
         self._full_since_s: float | None = None
-        self._pause, self._watchdog, self._port_lost = pause, Watchdog(), False
+        self._pause, self._watchdog, self._port_lost = pause, Watchdog(before=intake.accepted), False
 
     def run(self, link: Iterable[Part], stopped: Callable[[], bool] = lambda: False) -> Status:
         """Record until a limit, the end of the link, a full disk that stays full, or `stopped`."""

@@ -7,6 +7,7 @@ from array import array
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import compress
 from pathlib import Path
 
 from gcode.support import disk
@@ -18,6 +19,7 @@ from testbench.recordings.manifest import CSV
 from testbench.recordings.stored import StoredEvent
 from testbench.rig.ending import EndOfMotion
 from testbench.rig.file_lines import bad_line
+from testbench.rig.forward import running_forward
 from testbench.rig.sink import BAD, EVENTS
 from testbench.rig.stream import Anchor, Bad, Intake, LateLine
 from testbench.rig.wire import MICROS_WRAP, SEQUENCE_WRAP
@@ -26,7 +28,7 @@ MOST_LINE = 8192
 MOST_BYTES = 4 << 30
 DAMAGED = "damaged on disk"
 UNKNOWN_BOOT = -1
-_CELL = re.compile(rb"-?\d{1,15}\.\d{1,6}")
+_CELL = re.compile(rb"-?\d{1,12}\.\d{1,6}")  # of more, millionths are beyond 64 bits; the wire has no such number
 
 
 @dataclass
@@ -89,9 +91,8 @@ def mend(folder: Path, wall_s: float) -> Left:
     if (folder / CSV).exists():
         left.idle_s = max(0.0, wall_s - (folder / CSV).stat().st_mtime)
         start = next((event.channels for event, _ in events if event and event.channels), None)
-        damaged = _read_rows(folder / CSV, left, start)
-        if damaged:
-            _set_aside(folder, left, damaged)
+        if aside := _read_rows(folder / CSV, left, start):
+            _set_aside(folder, left, aside)
     left.bad = _reasons(folder / BAD)
     left.events = _kept_events(folder / EVENTS, events, -1 if left.last_time_us is None else left.last_time_us)
     return left
@@ -112,7 +113,8 @@ def continued(left: Left, now_s: float) -> Intake:
         # Every loss leaves an event, so the rows since the last one have no number missing.
         since = sum(time_us > stamp_us for time_us in left.times_us)
         anchor = Anchor(int(stamp.boot, 16), micros, left.last_time_us, now_s - left.idle_s)
-        intake.continue_from(anchor, (stamp.sequence + since) % SEQUENCE_WRAP)
+        interval_us = (left.last_time_us - stamp_us) / since if since else None
+        intake.continue_from(anchor, (stamp.sequence + since) % SEQUENCE_WRAP, interval_us)
     elif left.last_time_us is not None:
         # A power cut took the event with the device's clock: what comes is as after a reboot, timed by the host.
         intake.continue_from(Anchor(UNKNOWN_BOOT, 0, left.last_time_us, now_s - left.idle_s), 0)
@@ -141,31 +143,33 @@ def _lines(path: Path) -> Iterator[tuple[bytes, int]]:
             yield line.rstrip(b"\n"), end
 
 
-def _read_rows(path: Path, left: Left, start: list[str] | None) -> list[bytes]:
-    """Read the rows into `left` and cut what follows the last good one; returns damaged lines among the good ones.
+def _read_rows(path: Path, left: Left, start: list[str] | None) -> set[int]:
+    """Read the rows into `left`; returns the numbers of the lines to set aside: no rows, or against the others' time.
 
-    A header that a power cut took is taken from `start`, the channels that the first event names.
+    Zeros that a power cut left behind the last row are cut off. A header that it took is taken from `start`, the
+    channels that the first event names.
     """
-    damaged: list[bytes] = []
-    pending: list[bytes] = []
-    end = 0
-    for number, (line, after) in enumerate(_lines(path)):
+    strange: dict[int, bool] = {}  # whether there is anything in a line that is no row
+    numbers, times_us, displacements_nm, ends = array("q"), array("q"), array("q"), array("q")
+    for number, (line, end) in enumerate(_lines(path)):
+        ends.append(end)
         if number == 0:
             left.channels = _channels(path, line, start)
-            damaged, end = ([line], 0) if b"\0" in line else ([], after)
-            continue
-        cells = _cells(line, left.channels)
-        if cells is None or (left.times_us and cells[0] <= left.times_us[-1]):
-            pending.append(line)  # a power cut may leave blocks of zeros: at the end, or before what came later
-            continue
-        left.times_us.append(cells[0])
-        left.displacements_nm.append(cells[1])
-        damaged, pending = damaged + pending, []
-        end = after
-    if left.channels is None:
-        damaged += pending
-    _cut(path, end)
-    return damaged
+        if cells := _cells(line, left.channels):
+            numbers.append(number)
+            times_us.append(cells[0])
+            displacements_nm.append(cells[1])
+        elif number or b"\0" in line:
+            strange[number] = bool(line.strip(b"\0"))
+    kept = running_forward(times_us)
+    strange.update((number, True) for number, keep in zip(numbers, kept, strict=True) if not keep)
+    left.times_us = array("q", compress(times_us, kept))
+    left.displacements_nm = array("q", compress(displacements_nm, kept))
+    last = max(compress(numbers, kept), default=0)
+    aside = {number for number, something in strange.items() if something or number < last}
+    if not aside:
+        _cut(path, ends[last] if ends and last not in strange else 0)
+    return aside
 
 
 def _channels(path: Path, header: bytes, start: list[str] | None) -> tuple[str, ...] | None:
@@ -186,16 +190,17 @@ def _cells(line: bytes, channels: tuple[str, ...] | None) -> tuple[int, int] | N
     return _fixed(cells[0]), _fixed(cells[channels.index(DISPLACEMENT) + 1])
 
 
-def _set_aside(folder: Path, left: Left, damaged: list[bytes]) -> None:
+def _set_aside(folder: Path, left: Left, aside: set[int]) -> None:
     """Move lines that are no rows out of the recording, into the file of rejected lines."""
-    gone = Counter(damaged)
-    good = [",".join((TIME, *left.channels)).encode() + b"\n"] if left.channels else []
+    bad, good = [], [",".join((TIME, *left.channels)).encode() + b"\n"] if left.channels else []
     for number, (line, _) in enumerate(_lines(folder / CSV)):
-        if gone[line]:
-            gone[line] -= 1
+        if not line.strip(b"\0"):
+            continue
+        if number in aside:
+            bad.append(bad_line(Bad(DAMAGED, line)).encode())
         elif number and left.channels:
             good.append(line + b"\n")
-    _append(folder / BAD, (bad_line(Bad(DAMAGED, line)).encode() for line in damaged if line.strip(b"\0")))
+    _append(folder / BAD, bad)
     write_bytes(folder / CSV, b"".join(good), recorded=True)
 
 

@@ -18,6 +18,8 @@ HALF_WRAP_US = MICROS_WRAP // 2
 # By how much the device's clock may be ahead of the host's since the last sample: a sample does not come before it is
 # taken. After a resume the host's clock is that of file times, which another machine may have set.
 AHEAD_US, AHEAD_SHARE, AHEAD_RESUMED_US = 5_000_000, 0.1, 600_000_000
+# By how much the device's clock may be off what the count of lines and their mean interval say, and agree with it.
+COUNTED_US, COUNTED_SHARE = 1_000_000, 0.001
 RENUMBERED_LINES = 8  # so many old numbers in a row, and the device has begun to count anew
 MOST_LINES_PER_US = 1
 
@@ -125,13 +127,18 @@ class Intake:
     _fresh: bool = True
     _away: bool = False
     _resumed: bool = False
+    _interval_us: float | None = None
     _suspect: tuple[Sample, float] | None = None
     _anew: Anew = field(default_factory=Anew)
     _run: tuple[int, int] = (0, 0)  # the last number of a run of lines with old numbers, and its length
 
-    def continue_from(self, anchor: Anchor, sequence: int) -> None:
-        """Go on after a sample that an earlier recorder accepted; what came between is a gap."""
+    def continue_from(self, anchor: Anchor, sequence: int, interval_us: float | None = None) -> None:
+        """Go on after a sample that an earlier recorder accepted; what came between is a gap.
+
+        `interval_us` is the device's mean time from line to line, where it is known.
+        """
         self.anchor, self._sequence, self._away, self._resumed = anchor, sequence, True, True
+        self._interval_us = interval_us
 
     def feed(self, data: bytes, host_s: float) -> Iterator[Item]:
         """Rows, rejected lines and events in `data`, which came at `host_s` (monotonic seconds)."""
@@ -236,9 +243,10 @@ class Intake:
         BadLine
             If it is late, doubled, or its clock or its number lies.
         """
-        elapsed_us = self._elapsed_us(sample, host_s, anchor)
+        counted_us = self._counted_us(sample, anchor)
+        elapsed_us = self._elapsed_us(sample, host_s, anchor) if counted_us is None else counted_us
         renumbered = self._check_sequence(sample.sequence, elapsed_us)
-        jumped = elapsed_us is not None and self._is_ahead(elapsed_us, host_s, anchor)
+        jumped = elapsed_us is not None and counted_us is None and self._is_ahead(elapsed_us, host_s, anchor)
         if elapsed_us is None or jumped:
             time_us = self._after_a_jump(sample, host_s, anchor)
             details = {"from_us": anchor.time_us, "host_s": round(host_s - anchor.host_s, 3), **_device(sample)}
@@ -286,6 +294,20 @@ class Intake:
         if self._run[1] < RENUMBERED_LINES:
             raise BadLine("repeated" if step == 0 or step > SEQUENCE_WRAP // 2 else "number jumps")
         return True
+
+    def _counted_us(self, sample: Sample, anchor: Anchor) -> int | None:
+        """Device time since an earlier recorder's last sample, where its clock agrees with its count of lines.
+
+        File times stand for the host's clock then, and that may have been set meanwhile: by years, where a computer
+        without a battery found the network. None where the lines say nothing, as those of a device that waited.
+        """
+        if not self._resumed or self._interval_us is None or self._sequence is None:
+            return None
+        due_us = (sample.sequence - self._sequence) % SEQUENCE_WRAP * self._interval_us
+        elapsed = (sample.micros - anchor.micros) % MICROS_WRAP
+        elapsed += round((due_us - elapsed) / MICROS_WRAP) * MICROS_WRAP
+        agrees = elapsed > 0 and abs(elapsed - due_us) <= COUNTED_US + COUNTED_SHARE * due_us
+        return elapsed if agrees else None
 
     def _elapsed_us(self, sample: Sample, host_s: float, anchor: Anchor) -> int | None:
         """Device time since the last sample; None if the clock stands still or ran backwards."""

@@ -34,9 +34,12 @@ class Watchdog:
     ----------
     message : str
         What a person should know now; empty if all is well.
+    before : int
+        Lines that earlier recorders accepted: they say nothing of how often one comes now.
     """
 
     message: str = ""
+    before: int = 0
     _began_s: float | None = None
     _bytes_s: float = 0.0
     _line_s: float = 0.0
@@ -85,7 +88,8 @@ class Watchdog:
 
     def _silence(self, host_s: float, intake: Intake) -> list[Event]:
         assert self._began_s is not None
-        usual_s = (self._line_s - self._began_s) / intake.accepted if intake.accepted > 1 else 0.0
+        heard = intake.accepted - self.before
+        usual_s = (self._line_s - self._began_s) / heard if heard > 1 else 0.0
         was, self._silent = self._silent, host_s - self._line_s > max(QUIET_S, QUIET_INTERVALS * usual_s)
         if was or not self._silent:
             return []

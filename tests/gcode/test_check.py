@@ -83,6 +83,22 @@ def test_a_sound_foreign_program_passes():
         ("G1 X1 F6\nM0\nG1 X0\nM30\n", 3, "waits for somebody"),
         ("G1 X1 F6\nG80\nX0\nM30\n", 4, "before any G0 or G1"),
         ("G1 X1 F6\nG4 P1.0\nP5.0\nG1 X0\nM30\n", 4, "P stands without the G4"),
+        # LinuxCNC stops at these, with the axis where it is.
+        ("G1 X1 F6 N5\nM30\n", 2, "N5 stands behind another word"),
+        ("N1 N2 G1 X1 F6\nM30\n", 2, "N is given twice"),
+        ("N-1 G1 X1 F6\nM30\n", 2, "N-1 must be a whole number, 0 or more"),
+        ("G1 X1 F6\nT1.5\nM30\n", 3, "T1.5 must be a whole number"),
+        ("G1 X1 F6 S-5\nM30\n", 2, "S-5 must be a number, 0 or more"),
+        ("G1 X1 F6\nG1 G1 X0\nM30\n", 3, "G1 is given twice"),
+        ("G1 X1 F6\nG4 G4 P1.0\nM30\n", 3, "G4 is given twice"),
+        ("G40 G40\nG1 X1 F6\nM30\n", 2, "G40 is given twice"),
+        ("G1 X1 F6\nM48 M49\nM30\n", 3, "M48 and M49 exclude each other"),
+        ("G1 X1 F6\nM2 M30\n", 3, "M2 and M30 exclude each other"),
+        ("G1 X1 F6\nG(a)1 X0\nM30\n", 3, "cannot read 'G()1 X0'"),
+        # It leaves out strokes that are shorter than the tolerance.
+        ("G64 P9\nG1 X5 F6\nX0.1\nM30\n", 2, "G64 P9 lets the axis leave out strokes"),
+        ("G64 P-1\nG1 X5 F6\nM30\n", 2, "P may be from 0 to 0.05 mm"),
+        ("G20 G64 P0.01\nG1 X5 F6\nM30\n", 2, "P may be from 0 to 0.05 mm"),
         ("G1 X1 F6\n", 2, "does not end with M30"),
         ("M30\n", 1, "moves nothing"),
     ],
@@ -109,6 +125,11 @@ def test_comments_that_only_speak_are_let_through():
     assert reasons("(MSG, hello)\n(logbook 7)\n(probe 3)\n(py)\n" + SOUND) == []
 
 
+def test_words_that_stand_once_in_a_line_and_a_narrow_tolerance_are_let_through():
+    body = "G17 G40 G49 G80 G54\nG64 P0.02\nN10 T1 S0 G1 X1 F6 (a) M5 M9\nN20 X0 ;b\nN30 (c) M30\n"
+    assert check_program(parse_program(START + body), Limits()).ok
+
+
 def test_a_percent_sign_may_begin_and_follow_a_program():
     assert reasons("%\n" + SOUND + "%\n") == []
 
@@ -129,6 +150,21 @@ def test_inches_and_incremental_moves_are_understood():
     program = read_program("G91 G20 G94\nG1 X0.1 F1\nX0.1\nM30\n")
     np.testing.assert_allclose(program.position_mm, [2.54, 5.08])
     np.testing.assert_allclose(program.feed_mm_per_s, 25.4 / 60)
+
+
+def test_an_axis_that_shakes_in_step_with_the_samples_is_seen():
+    """It turns every 25 ms on a controller of 100 mm/s2: its samples at 20 Hz all lie at one place."""
+    body = "G1 X0.015 F60\n" + "X0\nX0.015\n" * 1000 + "X0\nM30\n"
+    result = check_program(parse_program(START + body), Limits(a_max_mm_per_s2=20.0))
+    assert result.statistics.v_max_mm_per_s < 1e-9
+    assert "executed speed changes by 1.91 mm/s within 0.0191 s" in str(result.problems[0])
+
+
+def test_speeds_that_change_in_step_with_the_samples_are_seen():
+    """Fast and slow in turn: the mean speed over each sample is the same."""
+    body = "".join(f"G1 X{0.05 * n + 0.04:.4f} F120\nX{0.05 * n + 0.05:.4f} F12\n" for n in range(200))
+    result = check_program(parse_program(START + body + "M30\n"), Limits(a_max_mm_per_s2=20.0))
+    assert "executed" in str(result.problems[0])
 
 
 def test_our_own_program_passes_at_its_limits_and_fails_below_them():

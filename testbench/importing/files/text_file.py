@@ -39,27 +39,52 @@ class TextSheet(Sheet):
         """The columns with these numbers, from the first row of numbers on."""
         import pandas as pd
 
+        wanted = sorted(set(numbers))
         try:
-            with self.path.open(encoding=self.encoding) as stream:
-                for _ in range(self.layout.first_row - 1):  # pandas would count a cell with line breaks as one line
-                    stream.readline()
-                frame = pd.read_csv(
-                    stream,
-                    sep=r"\s+" if self.separator == BLANKS else self.separator,
-                    decimal=self.decimal,
-                    header=None,
-                    names=list(range(len(self.layout.columns))),
-                    usecols=[number - 1 for number in sorted(set(numbers))],
-                    skip_blank_lines=False,
-                    skipinitialspace=True,
-                    index_col=False,
-                    low_memory=False,
-                )
-            return frame.set_axis(sorted(set(numbers)), axis=1)
+            try:
+                return self._marked(self._read([*wanted, len(self.layout.columns) + 1]))
+            except pd.errors.ParserError:
+                return self._read(wanted)  # no row has a cell beyond the last column, or the file cannot be read
         except pd.errors.EmptyDataError:
             return pd.DataFrame()
         except (pd.errors.ParserError, UnicodeError) as error:
             raise UserError(f"{self.path}: {in_words(error)}; check the export, or name --separator") from None
+
+    def _read(self, numbers: list[int]) -> pd.DataFrame:
+        import pandas as pd
+
+        with self.path.open(encoding=self.encoding) as stream:
+            for _ in range(self.layout.first_row - 1):  # pandas would count a cell with line breaks as one line
+                stream.readline()
+            frame = pd.read_csv(
+                stream,
+                sep=r"\s+" if self.separator == BLANKS else self.separator,
+                decimal=self.decimal,
+                header=None,
+                names=list(range(max(*numbers, len(self.layout.columns)))),
+                usecols=[number - 1 for number in numbers],
+                skip_blank_lines=False,
+                skipinitialspace=True,
+                index_col=False,
+                low_memory=False,
+            )
+        return frame.set_axis(numbers, axis=1)
+
+    def _marked(self, frame: pd.DataFrame) -> pd.DataFrame:
+        """`frame` without its last column, which holds what stands beyond the others: a remark, or a number.
+
+        Where it is a number, one before it was parted in two, as ``1,5`` is by commas, and the cells behind stand in
+        columns that are not theirs. The first cell of such a row becomes the row as it came, which is no number.
+        """
+        import pandas as pd
+
+        *columns, beyond = frame.columns
+        shifted = pd.to_numeric(frame[beyond], errors="coerce").notna()
+        if shifted.any():
+            rows = frame[shifted].astype(str).agg(self.separator.join, axis=1)
+            frame = frame.astype({columns[0]: object})
+            frame.loc[shifted, columns[0]] = rows
+        return frame[columns]
 
 
 def open_text(path: Path, wanted: Sequence[str], hints: Hints) -> TextSheet:

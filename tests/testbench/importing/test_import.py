@@ -144,6 +144,18 @@ def test_drop_bad_leaves_out_exactly_the_bad_rows(tmp_path):
     assert done.recording.time_s.tolist() == pytest.approx([0, 0.1, 0.2, 0.6])
 
 
+@pytest.mark.parametrize("separator", [",", ";"])
+def test_a_row_whose_cells_are_shifted_by_a_number_in_two_parts_is_not_taken(tmp_path, separator):
+    """Beyond the rows that are looked at first: one decimal comma puts each cell behind it into another column."""
+    rows = [f"{n / 10},{n},0.5,{900 + n}" for n in range(400)]
+    rows[300], rows[310] = "30.0,300,0,5,1200", "31.0,310,0.5,1210,marked"
+    text = "\n".join(["t,x,F,R", *rows]).replace(",", separator)
+    with pytest.raises(UserError, match=rf"row 302: t must be a number, got '30.0{separator}300.*1200'; --drop-bad"):
+        imported(tmp_path, text)
+    done = import_csv(written(tmp_path, text), wish(drop_bad=True))
+    assert (done.dropped, done.recording["resistance_ohm"].min()) == (1, 900)
+
+
 def test_drop_bad_leaves_out_the_overload_of_a_meter(tmp_path):
     text = GOOD + "0.3,1,0.5,9.9E+37\n0.4,2,0.5,500\n"
     with pytest.raises(UserError, match=r"row 5: resistance_ohm is 9.9e\+37 .* --drop-bad"):

@@ -13,7 +13,7 @@ from numpy.random import default_rng
 from testbench.rig.parts import Chunk, End, Tick
 from testbench.rig.recorder import Recorder
 from testbench.rig.sink import Sink
-from testbench.rig.stream import Intake, Row
+from testbench.rig.stream import Anchor, Intake, Row, channels_of
 from testbench.rig.watchdog import Watchdog
 from testbench.rig.wire import MICROS_WRAP, SEQUENCE_WRAP, Sample, encode
 from tests.testbench.rig import test_stream
@@ -267,11 +267,13 @@ def test_lines_that_overtake_each_other_are_no_second_device(delays, boots):
 # What a person is told.
 
 
-def watched(parts, tmp_path):
+def watched(parts, tmp_path, intake=None):
     """All events and messages of a recording."""
     said: list[str] = []
     sink = Sink(tmp_path)
-    Recorder(Intake(), sink, 25.0, report=lambda status: said.append(status.message)).run([*parts, End(1e5)])
+    Recorder(intake or Intake(), sink, 25.0, report=lambda status: said.append(status.message)).run(
+        [*parts, End(1e5)]
+    )
     sink.close()
     found = [json.loads(line) for line in (tmp_path / "events.jsonl").read_text().splitlines()]
     return {event["event"]: event for event in found}, said
@@ -309,6 +311,15 @@ def test_a_slow_device_is_not_silent(tmp_path):
         parts += [Chunk(n * 10.0, encode(sample(n, micros=n * 10_000_000)))]
         parts += [Tick(n * 10.0 + 0.5 * k) for k in range(1, 20)] if n > 2 else []
     found, _ = watched(parts, tmp_path)
+    assert "silent" not in found
+
+
+def test_a_slow_device_is_not_silent_after_a_resume_either(tmp_path):
+    intake = Intake(channels=channels_of(sample(0)), accepted=1000)
+    intake.continue_from(Anchor(7, 0, 10_000_000_000, 0.0), 999)
+    parts = [Chunk(10.0 * n, encode(sample(999 + n, micros=n * 10_000_000))) for n in range(1, 20)]
+    parts += [Tick(0.5 * k) for k in range(61, 400)]  # three lines say how often one comes
+    found, _ = watched(sorted(parts, key=lambda part: part.host_s), tmp_path, intake)
     assert "silent" not in found
 
 

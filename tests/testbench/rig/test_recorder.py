@@ -288,6 +288,34 @@ def test_a_power_cut_that_left_zeros_is_mended(job, tmp_path):
     assert path.read_bytes() == good
 
 
+@pytest.mark.parametrize(
+    ("number", "first"),
+    [(20, b"9"), (20, b"-"), (20, b"999999999999999"), (20, b"9999999999999999999"), (2, b"5"), (118, b"0")],
+)
+def test_one_wrong_digit_of_a_time_costs_one_row(job, tmp_path, number, first):
+    """A row that says a late time is wrong, and not the hundred that follow it."""
+    lines, folder = bench_lines(job), tmp_path / "c"
+    recorded(job, folder, [Chunk(0, b"".join(lines[:120]))], stopped=lambda: True)
+    path = folder / "recording.csv"
+    good = path.read_bytes().splitlines(keepends=True)
+    wrong = first + good[number][1:]
+    path.write_bytes(b"".join([*good[:number], wrong, *good[number + 1 :]]))
+    status = record(job_of(folder), folder, in_memory(lines[120:]), resume=True)
+    assert path.read_bytes().splitlines(keepends=True)[:120] == good[:number] + good[number + 1 :]
+    assert (status.state, status.lost) == ("complete", 1)
+    assert (folder / "recording.bad").read_bytes() == b"damaged on disk\t" + wrong
+
+
+def test_what_is_no_row_at_the_end_is_kept_aside(job, tmp_path):
+    recorded(job, tmp_path / "c", in_memory(bench_lines(job)))
+    path = tmp_path / "c" / "recording.csv"
+    good = path.read_bytes()
+    path.write_bytes(good + b"\0" * 100 + b"\n7.5,1.0\n\0\0")
+    mend(tmp_path / "c", 0.0)
+    assert path.read_bytes() == good
+    assert (tmp_path / "c" / "recording.bad").read_text() == "damaged on disk\t7.5,1.0\n"
+
+
 def test_a_complete_recording_is_not_continued(job, tmp_path):
     recorded(job, tmp_path / "c", in_memory(bench_lines(job)))
     with pytest.raises(UserError, match="is complete"):

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from numpy.random import default_rng
 
 from testbench.rig.faults import faulty
-from testbench.rig.stream import Bad, Event, Intake, Row
+from testbench.rig.stream import Anchor, Bad, Event, Intake, Row, channels_of
 from testbench.rig.wire import MICROS_WRAP, Sample, encode
 
 STEP_US = 24_000
@@ -79,6 +79,28 @@ def test_a_long_silence_counts_the_wraps_by_the_hosts_clock(wraps):
     items = fed(intake, sample(1, micros=away_us), host_s=away_us / 1e6 + 60)
     assert items[-1].time_us == away_us
     assert events(items) == ["gap"]
+
+
+HOUR_S = 3600
+
+
+@pytest.mark.parametrize("idle_s", [0.0, 2 * HOUR_S + 30, 1.8e9])
+def test_after_a_resume_the_count_of_lines_knows_the_time_where_the_hosts_clock_was_set(idle_s):
+    """A computer without a battery gets its time from the network: file times may be hours or decades off."""
+    intake = Intake(channels=channels_of(sample(0)))
+    intake.continue_from(Anchor(7, 0, 0, host_s=-idle_s), sequence=0, interval_us=STEP_US * 1.0002)
+    number = 2 * HOUR_S * 1_000_000 // STEP_US
+    items = fed(intake, sample(number)._replace(displacement_nm=0), host_s=0.0)
+    assert [item.time_us for item in items if isinstance(item, Row)] == [2 * HOUR_S * 1_000_000]
+    assert (events(items), intake.lost) == (["gap"], number - 1)
+
+
+def test_after_a_resume_the_hosts_clock_knows_the_time_of_a_device_that_waited():
+    """One that sends nothing to a closed port counts nothing either."""
+    intake = Intake(channels=channels_of(sample(0)))
+    intake.continue_from(Anchor(7, 0, 0, host_s=-2.0 * HOUR_S), sequence=0, interval_us=STEP_US)
+    items = fed(intake, sample(1, micros=2 * HOUR_S * 1_000_000), host_s=0.0)
+    assert [item.time_us for item in items if isinstance(item, Row)] == [2 * HOUR_S * 1_000_000]
 
 
 def test_a_reboot_is_told_from_a_wrap_and_time_goes_on_by_the_host():
