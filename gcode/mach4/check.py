@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 LONGEST_DWELL_S = 120.0  # in files that others made; a longer P is most likely milliseconds
 LONGEST_RUN_S = MAX_PLAYED_S  # what takes longer is not executed, and refused
 TOLERANCE_MM = 1e-6
-# Within these parts of a sample the speed may change by what the limit allows from one sample to the next, and half as
-# much more: our own programs need up to 1.24. No shaking keeps in step with both of them and with the samples.
+# Within these parts of a sample the speed may change by what the limit allows from one sample to the next, and by
+# half of that again: our own programs need up to 1.24. No shaking keeps in step with both and with the samples.
 PARTS_OF_A_SAMPLE, ALLOWED_WITHIN = (0.382, 0.618), 1.5
 ACCELERATION_FACTOR = 5.0  # a controller faster than the limit shows whether the program itself asks for too much
 
