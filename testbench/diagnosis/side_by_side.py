@@ -17,7 +17,7 @@ from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from typing import Any, TypeVar
 
 DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG of Linux
-MOST = 4  # at once: each has signals and sensitivities of its own in memory
+MOST = 3  # at once: of a pair of 6 h each has 0.3 to 0.5 GB of its own, and 2 GB hold them all
 
 Result = TypeVar("Result")
 _task: tuple[Callable[..., Any], list[tuple[Any, ...]]]
