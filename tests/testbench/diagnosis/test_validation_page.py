@@ -108,6 +108,7 @@ def test_the_reliability_diagram_comes_from_the_results_of_the_benchmark(tmp_pat
             "after": 1.1,
             "simulator": "second",
             "strength": 5.0,
+            "reached": [5.0],
             "minutes": 6.0,
         }
         for chance, right in [(0.9, True)] * 9 + [(0.9, False)]
