@@ -233,11 +233,11 @@ def _executed(
 def _between_samples(program: Program, motion: Motion, rate_hz: float, limits: Limits) -> list[Problem]:
     """What samples at `rate_hz` do not show: an axis that shakes in step with them seems to stand still."""
     allowed = ALLOWED_WITHIN * limits.a_max_mm_per_s2 / rate_hz
-    most, within_s, when_s = max(
-        (change, part / rate_hz, when_s)
-        for part in PARTS_OF_A_SAMPLE
-        for change, when_s in [motion.largest_change(part / rate_hz)]
-    )
+    found = []
+    for within_s in (part / rate_hz for part in PARTS_OF_A_SAMPLE):
+        change, when_s = motion.largest_change(within_s)
+        found.append((change, within_s, when_s))
+    most, within_s, when_s = max(found)
     if most <= allowed:
         return []
     return [

@@ -11,6 +11,11 @@ DOING = {1: " while stretching", -1: " while releasing", 0: ""}
 MANY = math.log(1e6)  # log odds beyond this are "more than a million to one"
 
 
+def spoken(name: str) -> str:
+    """A catalogue name as words."""
+    return str(name).replace("_", " ")
+
+
 def place_in_words(channel: str, coordinate: str, cell: Cell, size: float) -> str:
     """One sentence: what the model does wrong, by how much, and where."""
     # measured minus modelled is negative where the model is too high

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from testbench.comparing.tables import ladder_table
-from testbench.comparing.words import percent
+from testbench.comparing.words import percent, spoken
 from testbench.diagnosis.diagnosis import Diagnosis, Ranked
 from testbench.diagnosis.probabilities import NOTHING, UNKNOWN
 
@@ -53,13 +53,13 @@ def _bent(diagnosis: Diagnosis) -> str:
     if not mechanism:
         return ""
     chance = percent(diagnosis.probabilities[mechanism])
-    return f", but a law of the base is bent as {mechanism.replace('_', ' ')} ({chance}) would bend it"
+    return f", but a law of the base is bent as {spoken(mechanism)} ({chance}) would bend it"
 
 
 def _too_little(first: Ranked) -> str:
     """What is said of a law that is probable, but explains less than half."""
-    probable = f"{first.effect.replace('_', ' ')} ({percent(first.probability)}) is probable"
-    return f"{probable}, but leaves {100 * first.left:.0f} % of the error above the noise"
+    probable = f"{spoken(first.effect)} ({percent(first.probability)}) is probable"
+    return f"{probable}, but leaves {_share(first.left)}"
 
 
 def _depends(diagnosis: Diagnosis) -> str:
@@ -73,8 +73,7 @@ def _nearest(first: Ranked) -> str:
     """What is said of the most probable law where none is probable: it may be a part of the answer."""
     if first.held_out_gain is None or first.left > WORTH_SAYING:
         return ""
-    left = f"{100 * first.left:.0f} % of the error above the noise"
-    return f". The nearest is {first.effect.replace('_', ' ')} ({first.law}), which would leave {left}"
+    return f". The nearest is {spoken(first.effect)} ({first.law}), which would leave {_share(first.left)}"
 
 
 def _elsewhere(diagnosis: Diagnosis) -> str:
@@ -98,12 +97,10 @@ def listed(names: Sequence[str]) -> str:
 
 
 def _found(diagnosis: Diagnosis) -> str:
-    words = [f"{one.effect.replace('_', ' ')} ({percent(one.probability)})" for one in diagnosis.found]
+    words = [f"{spoken(one.effect)} ({percent(one.probability)})" for one in diagnosis.found]
     first = diagnosis.found[0].effect
     rivals = [
-        f"{name.replace('_', ' ')} ({percent(diagnosis.probabilities[name])})"
-        for name in diagnosis.tied
-        if name != first
+        f"{spoken(name)} ({percent(diagnosis.probabilities[name])})" for name in diagnosis.tied if name != first
     ]
     if rivals:
         words[0] += f", hardly told from {listed(rivals)}"
@@ -113,7 +110,11 @@ def _found(diagnosis: Diagnosis) -> str:
 def _left(share: float) -> str:
     if share < 0.01:
         return "less than 1 % of the error above the noise is left"
-    return f"{100 * share:.0f} % of the error above the noise is left"
+    return f"{_share(share)} is left"
+
+
+def _share(left: float) -> str:
+    return f"{100 * left:.0f} % of the error above the noise"
 
 
 def _error_left(entry: Ranked) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from testbench.comparing import words
 from testbench.comparing.words import percent
 from testbench.diagnosis.probabilities import NOTHING, UNKNOWN
 from testbench.investigating.state import SURE, Investigation, RunState
@@ -14,7 +15,7 @@ SPOKEN = {NOTHING: "nothing is missing", UNKNOWN: "something that no effect expl
 
 def spoken(name: str) -> str:
     """A hypothesis in words."""
-    return SPOKEN.get(name, name.replace("_", " "))
+    return SPOKEN.get(name, words.spoken(name))
 
 
 def most_probable(chances: Mapping[str, float]) -> list[tuple[str, float]]:

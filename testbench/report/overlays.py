@@ -13,12 +13,12 @@ from testbench.comparing.judged import kept_zero
 from testbench.comparing.model_errors import noise_floors
 from testbench.comparing.remounting import remounted
 from testbench.comparing.residual_coordinates import coordinates
+from testbench.comparing.words import spoken
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
 from testbench.report.figures.comparison_figures import Overlay
 from testbench.report.figures.ladder_figures import Step
-from testbench.report.words import spoken
 from testbench.report.worst_places import Spot, spots
 from testbench.results.model_file import ModelFile
 

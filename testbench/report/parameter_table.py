@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from testbench.comparing.numbers import allowed, in_words, with_error
+from testbench.comparing.words import spoken
 from testbench.fitting.parameters import HELD
 from testbench.knit.effect import bounds_of
 from testbench.knit.model import KnitModel
 from testbench.report.document import Table
-from testbench.report.words import spoken
 
 HEAD = ("Parameter", "Value", "Allowed range", "Doubts", "What it is")
 HELD_SD = HELD**-0.5  # in the fit's coordinate

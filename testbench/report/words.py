@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from testbench.comparing.numbers import plain
-from testbench.comparing.words import MANY, percent
+from testbench.comparing.words import MANY, percent, spoken
 from testbench.measurements.responses import UNIT_OF
 
 PANEL_UNITS = {**UNIT_OF, "resistance": "kΩ"}  # of an axis or a table, by what it shows
@@ -157,8 +157,3 @@ def clocks_in_words(delay_s: float, drift_ppm: float, duration_s: float) -> str:
         return f"The plan began {start} the recording; their clocks run alike."
     pace = "gains" if drift_ppm > 0 else "loses"
     return f"The plan began {start} the recording; its clock {pace} {gained_ms:.0f} ms over the recording."
-
-
-def spoken(name: str) -> str:
-    """A catalogue name as words."""
-    return str(name).replace("_", " ")

@@ -9,11 +9,11 @@ from typing import Any
 
 from gcode.support.errors import UserError
 from testbench.comparing.numbers import in_words, with_error
+from testbench.comparing.words import spoken
 from testbench.knit.catalogue import model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.report.document import Table
 from testbench.report.parameter_table import doubts, parameter_name
-from testbench.report.words import spoken
 from testbench.results.model_file import about_model
 from testbench.studio import models
 from testbench.studio.studio import Studio

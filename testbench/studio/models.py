@@ -8,9 +8,9 @@ from pathlib import Path
 from nicegui import ui
 
 from gcode.support.files import copy_file, make_folder
+from testbench.comparing.words import spoken
 from testbench.recordings.manifest import CSV
 from testbench.recordings.recording import Recording
-from testbench.report.words import spoken
 from testbench.results.model_file import about_model, same_source
 from testbench.studio.jobs.job import Commands, Job, State
 from testbench.studio.parts.fields import check, number_field, typed

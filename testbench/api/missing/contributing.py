@@ -21,12 +21,12 @@ from testbench.comparing.contribution import Contribution
 from testbench.comparing.judged import held_samples
 from testbench.comparing.ladder import step_before
 from testbench.comparing.model_errors import channel_name
+from testbench.comparing.words import spoken
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.effect import Effect
 from testbench.measurements.responses import CONDUCTANCE_CHANNEL
 from testbench.recordings.recording import gaps_in
 from testbench.report import style
-from testbench.report.words import spoken
 from testbench.results.model_file import ModelFile
 from testbench.results.result_files import checked_diagnosis
 

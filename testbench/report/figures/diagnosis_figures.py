@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 
 from gcode.support.arrays import FloatArray
+from testbench.comparing.words import spoken
 from testbench.report import style
 from testbench.report.downsample import window
 from testbench.report.figures.comparison_figures import RESIDUAL_TITLES
 from testbench.report.figures.recording_figures import line
-from testbench.report.words import spoken, with_probability
+from testbench.report.words import with_probability
 
 SHOWN = 8
 VISIBLE = 0.01  # share of the residual's squares; less is not worth a bar

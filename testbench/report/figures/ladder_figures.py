@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 
 from testbench.comparing.numbers import plain
+from testbench.comparing.words import spoken
 from testbench.report import style
 from testbench.report.downsample import window
 from testbench.report.figures.comparison_figures import CHANNEL_TITLES, Overlay, model_colour
 from testbench.report.figures.recording_figures import line
-from testbench.report.words import PANEL_UNITS, spoken
+from testbench.report.words import PANEL_UNITS
 
 NAMED_STEPS = 3
 BESIDE, NAMED = 4, 9  # steps whose names have room where panels stand side by side, and one above the other

@@ -10,10 +10,11 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from testbench.comparing.numbers import plain
+from testbench.comparing.words import spoken
 from testbench.recordings.recording import Recording
 from testbench.report.figures import recording_figures as figures
 from testbench.report.parameter_table import parameter_name
-from testbench.report.words import PANEL_UNITS, spoken, with_probability
+from testbench.report.words import PANEL_UNITS, with_probability
 from testbench.results.model_file import about_model
 from testbench.results.result_files import read_diagnosis, read_score
 from testbench.studio import models

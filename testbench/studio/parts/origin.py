@@ -9,9 +9,9 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from gcode.support.strict import read_text
+from testbench.comparing.words import spoken
 from testbench.recordings.manifest import read_manifest
 from testbench.report.provenance import moment
-from testbench.report.words import spoken
 from testbench.studio.parts.widgets import table
 from testbench.studio.studio import Studio
 

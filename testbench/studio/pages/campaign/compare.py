@@ -11,12 +11,13 @@ import numpy as np
 from nicegui import ui
 
 from testbench.comparing.numbers import plain
+from testbench.comparing.words import spoken
 from testbench.recordings.manifest import CSV
 from testbench.report.document import Table
 from testbench.report.figures import comparison_figures as figures
 from testbench.report.figures import residual_figures
 from testbench.report.figures.comparison_figures import Overlay
-from testbench.report.words import PANEL_UNITS, spoken
+from testbench.report.words import PANEL_UNITS
 from testbench.report.worst_places import Spot, noise_reached
 from testbench.studio.beside import Beside, beside_choices, beside_of, side_by_side
 from testbench.studio.memory import stamp

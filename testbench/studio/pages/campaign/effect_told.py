@@ -8,12 +8,12 @@ from typing import Any
 from nicegui import ui
 
 from testbench.comparing.numbers import allowed, in_words
+from testbench.comparing.words import spoken
 from testbench.knit.card import doc_sections
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.effect import Effect, bounds_of
 from testbench.report.document import Table
 from testbench.report.parameter_table import parameter_table
-from testbench.report.words import spoken
 from testbench.studio.parts.widgets import subheading, table
 
 

@@ -9,8 +9,9 @@ from typing import Any
 from nicegui import ui
 
 from gcode.support.errors import UserError
+from testbench.comparing.words import spoken
 from testbench.report.figures import experiment_figures as figures
-from testbench.report.words import experiment_in_words, spoken
+from testbench.report.words import experiment_in_words
 from testbench.results.result_files import read_diagnosis, read_experiment
 from testbench.studio import models
 from testbench.studio.pages.plan import PROGRAMS, program_downloads

@@ -11,13 +11,14 @@ from urllib.parse import quote
 from nicegui import ui
 
 from testbench.comparing.numbers import plain
+from testbench.comparing.words import spoken
 from testbench.report.figures import diagnosis_figures
 from testbench.report.figures import ladder_figures as figures
 from testbench.report.figures.comparison_figures import busiest_window
 from testbench.report.parameter_table import parameter_table
 from testbench.report.provenance import moment
 from testbench.report.sections import fall_in_words
-from testbench.report.words import PANEL_UNITS, ladder_notes, spoken, verdict_in_words
+from testbench.report.words import PANEL_UNITS, ladder_notes, verdict_in_words
 from testbench.results.model_file import ModelFile
 from testbench.results.result_files import read_diagnosis
 from testbench.studio import models

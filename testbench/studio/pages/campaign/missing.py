@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
+from testbench.comparing.words import spoken
 from testbench.report.figures import diagnosis_figures as figures
 from testbench.report.figures.kohm import contribution_kohm
 from testbench.report.words import (
     base_in_words,
     error_left,
     probability_of,
-    spoken,
     verdict_in_words,
     with_probability,
 )

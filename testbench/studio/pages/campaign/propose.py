@@ -8,9 +8,9 @@ from html import escape
 from nicegui import ui
 
 from testbench.comparing.numbers import in_words, plain, with_error
-from testbench.comparing.words import percent
+from testbench.comparing.words import percent, spoken
 from testbench.report.formula import formula_svg, lines_of
-from testbench.report.words import PANEL_UNITS, spoken
+from testbench.report.words import PANEL_UNITS
 from testbench.results.model_file import about_model
 from testbench.studio import models, proposed_law
 from testbench.studio.pages.campaign.ladder import report_url
