@@ -17,7 +17,7 @@ import numpy as np
 from testbench.knit.additive import AdditiveLaw
 from testbench.knit.cache import Change, SimulationCache
 from testbench.knit.effect import Effect, FloatArray, Signals
-from testbench.knit.filters import log_conductance, shifted
+from testbench.knit.filters import log_ratio, shifted
 from testbench.knit.model import KnitModel, signals_for
 from testbench.knit.readout.linear_reading import LinearReading
 from testbench.measurements.measurement import Measurement
@@ -161,7 +161,7 @@ def _as_it_is(change: FloatArray) -> FloatArray:
 def change_of(signal: str, there: Signals, here: Signals) -> FloatArray:
     """Change of a signal from `here` to `there`, shape (n,); of the conductance, in ln S."""
     if signal == "conductance_S":
-        return log_conductance(there[signal]) - log_conductance(here[signal])
+        return log_ratio(there[signal], here[signal])
     return there[signal] - here[signal]
 
 

@@ -108,6 +108,11 @@ def log_conductance(conductance_S: FloatArray) -> FloatArray:
     return np.log(np.maximum(conductance_S, 1e-300))
 
 
+def log_ratio(conductance_S: FloatArray, before_S: FloatArray) -> FloatArray:
+    """Change of the natural logarithm of the conductance, finite where a wild fit has none left."""
+    return np.log(np.maximum(conductance_S, 1e-300) / np.maximum(before_S, 1e-300))
+
+
 def shifted(conductance_S: FloatArray, log_change: FloatArray) -> FloatArray:
     """Conductance with `log_change` added to its natural logarithm."""
     return conductance_S * factor_of(log_change)
