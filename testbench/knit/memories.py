@@ -215,7 +215,10 @@ def delayed(x: FloatArray, delay_s: float, dt_s: float) -> FloatArray:
 
 
 def ever_later(x: FloatArray, skew: float) -> FloatArray:
-    """`x` as an instrument shows it whose clock is slow by a share `skew`: the later, the longer it has run."""
+    """`x` as an instrument shows it whose clock is slow by a share `skew`: the later, the longer it has run.
+
+    A negative `skew` is a clock that is fast. What it has shown last stays where the motion ends before it does.
+    """
     at = np.arange(len(x), dtype=np.float64)
     return np.interp(at * (1.0 - skew), at, x)
 

@@ -26,7 +26,7 @@ NUMBERS = (0.5, 1.5, 2.0, 3.0)
 DECADES = (1.5, 3.0)
 SHORTEST_S = 1e-3  # a state may form in much less than a sample, a whole span beyond its edge
 DELAYS_S = (0.1, 0.3, 1.0)
-LATE_S, MOST_SKEW = 0.3, 0.05  # a clock is tried in steps of so much at the end of the recording, up to this share
+LATE_S, MOST_SKEW = 0.3, 0.05  # clocks are tried in steps of so much at the end of the recording, up to this share
 SHARES = (0.85, 0.95)  # of a last top
 SWINGS = (0.02, 0.05)  # of the span, by which the strain has turned
 TEETH = ("stick", "dead band")  # that come again with each length of travel
@@ -80,7 +80,7 @@ class Grid:
             return DELAYS_S
         if slot.kind == "skew":
             steps = np.arange(1, int(MOST_SKEW * self.duration_s / LATE_S) + 1)
-            return list(LATE_S / self.duration_s * steps)
+            return list(LATE_S / self.duration_s * np.concatenate([-steps[::-1], steps]))
         if slot.kind == "strain":
             return [share * self.span for share in (STRAINS[1::2] if few else STRAINS)]
         if slot.kind == "path":
@@ -123,7 +123,7 @@ class Grid:
         if slot.kind == "delay":
             return 0.0, 10.0, False
         if slot.kind == "skew":
-            return 0.0, 2 * MOST_SKEW, False
+            return -2 * MOST_SKEW, 2 * MOST_SKEW, False
         if slot.kind == "frequency":
             return 0.01, 50.0, True
         if slot.kind == "number":

@@ -106,9 +106,9 @@ OPERATORS = {
             "clock",
             "ever_later(x, self.skew) - x",
             r"({x}(t - \kappa\,t) - {x}(t))",
-            "the slow clock of {x}",
+            "the wrong clock of {x}",
             "memory",
-            (Slot("skew", r"\kappa", "share by which the clock is slow", "skew"),),
+            (Slot("skew", r"\kappa", "share by which the clock is slow; negative: fast", "skew"),),
         ),
         Operator(
             "dead band",

@@ -182,8 +182,15 @@ def test_a_slow_clock_shows_the_past_and_ever_more_of_it():
     assert t - ever_later(t, 0.01) == pytest.approx(0.01 * t)
 
 
-def test_a_slow_clock_is_not_missed_between_two_shares():
-    shares = [point["skew"] for point in GRID.points(OPERATORS["clock"].slots, SIGNALS["force_N"], "clock")]
-    assert shares[0] * GRID.duration_s == pytest.approx(LATE_S)
-    assert np.diff(shares) * GRID.duration_s == pytest.approx(np.full(len(shares) - 1, LATE_S))
-    assert shares[-1] <= MOST_SKEW + 1e-9
+def test_a_fast_clock_is_ahead_until_there_is_no_more_to_show():
+    t = np.arange(1000.0)
+    assert ever_later(t, -0.01) - t == pytest.approx(np.minimum(0.01 * t, 999.0 - t))
+
+
+def test_a_slow_or_fast_clock_is_not_missed_between_two_shares():
+    points = GRID.points(OPERATORS["clock"].slots, SIGNALS["force_N"], "clock")
+    shares = np.array([point["skew"] for point in points])
+    slow = shares[shares > 0]
+    assert -shares[shares < 0][::-1] == pytest.approx(slow)
+    assert np.diff(slow, prepend=0.0) * GRID.duration_s == pytest.approx(np.full(len(slow), LATE_S))
+    assert slow[-1] <= MOST_SKEW + 1e-9
