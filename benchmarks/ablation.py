@@ -23,8 +23,10 @@ from bench_diagnosis import EFFECTS, OF_ONE_WORLD, Job, append, catalogue_for, j
 from diagnosis_score import Row, at_a_glance, goals, markdown
 
 from testbench.diagnosis.diagnosis import concluded
+from testbench.diagnosis.entries import Entry
 from testbench.diagnosis.probabilities import NOTHING, UNKNOWN
-from testbench.diagnosis.rounds import Entry, Round, whole_of
+from testbench.diagnosis.put_in import whole_of
+from testbench.diagnosis.rounds import Round
 from testbench.diagnosis.search import Search, searched
 from testbench.fitting import constants
 from testbench.measurements.measurement import split

@@ -12,10 +12,12 @@ from gcode.support.errors import UserError
 from testbench.comparing.ladder import as_a_step, on_the_ladder
 from testbench.comparing.model_errors import noise_floors
 from testbench.diagnosis.discrepancy_map import mapped
+from testbench.diagnosis.entries import Entry
 from testbench.diagnosis.held_out import Interval, block_energies, gain_interval
 from testbench.diagnosis.probabilities import NOTHING, UNKNOWN, mixed_with_prior, prior_of
 from testbench.diagnosis.proposals import Proposal
-from testbench.diagnosis.rounds import Entry, Round, Verdict, leading, whole_of
+from testbench.diagnosis.put_in import leading, whole_of
+from testbench.diagnosis.rounds import Round, Verdict
 from testbench.diagnosis.search import Progress, Search, searched
 from testbench.fitting import constants
 from testbench.fitting.baseline import SHAPES

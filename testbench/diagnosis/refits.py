@@ -10,9 +10,9 @@ from functools import partial
 import numpy as np
 
 from testbench.diagnosis.candidates import can_act, is_vector
+from testbench.diagnosis.entries import Entry
 from testbench.diagnosis.fits import Fits, best_first, evidence_of, first_of_each, law_names, like_another, newest
 from testbench.diagnosis.proposals import Proposal
-from testbench.diagnosis.rounds import Entry
 from testbench.diagnosis.starts import best_start
 from testbench.fitting import constants
 from testbench.fitting.baseline import framed, without_shapes

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 from scipy.special import logsumexp
 
+from testbench.diagnosis.entries import Entry, Whole
 from testbench.diagnosis.fits import best_first, first_of_each
 from testbench.diagnosis.probabilities import (
     NOTHING,
@@ -25,51 +26,9 @@ from testbench.diagnosis.proposals import Proposal
 from testbench.fitting import constants
 from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.fitting.evidence.likelihood import Likelihood
-from testbench.knit.model import KnitModel
 
 EITHER = -float(np.log(2))  # log prior of each of two that are as likely
 Verdict = Literal["missing", "nothing_missing", "unknown"]
-
-
-@dataclass(frozen=True, eq=False)
-class Entry:
-    """One law put in and refitted.
-
-    Attributes
-    ----------
-    mechanism, law, name : str
-        Of the catalogue; `name` is its name in the model.
-    log_z : float
-        Log evidence as models are compared: of the model as it is, or beside a free-form map of what it leaves.
-    own_part : mapping of channel to float
-        What the law changes that the base's laws could not; see `hypothesis.own_part`.
-    whole_part : mapping of channel to float
-        All that it changes.
-    log_prior_bend : float
-        Log probability that a law of the base is unlike the sensor's in just this way, so that nothing is missing.
-    without : Entry, optional
-        All else that was put in, at its best, where that is anything.
-    """
-
-    mechanism: str
-    law: str
-    name: str
-    hypothesis: Hypothesis
-    log_z: float
-    is_settled: bool = False
-    own_part: Mapping[str, float] = field(default_factory=dict)
-    whole_part: Mapping[str, float] = field(default_factory=dict)
-    log_prior_bend: float = -np.inf
-    without: Entry | None = None
-
-    def refitted(self, h: Hypothesis, is_settled: bool = False) -> Entry:
-        """The same law in a model that was fitted again."""
-        return replace(self, hypothesis=h, log_z=h.log_z, is_settled=is_settled)
-
-    @property
-    def base(self) -> KnitModel:
-        """The model without the law."""
-        return self.hypothesis.model.without(self.name)
 
 
 @dataclass(frozen=True, eq=False)
@@ -326,71 +285,6 @@ class Round:
         chances = self.probabilities(whole)
         left = whole.left if whole else self.left(self.candidate)
         return chances[NOTHING] + chances[UNKNOWN] < 0.5 and left <= 0.5
-
-
-@dataclass(frozen=True)
-class Whole:
-    """All that was put in from one round on, together.
-
-    Attributes
-    ----------
-    log_posterior : float
-        Log prior and evidence, nothing else missing.
-    log_z : float
-        Log evidence, whatever it leaves.
-    log_prior_alike : float
-        Log prior of these laws among those of the catalogue.
-    left : float
-        Share of what they should explain that they leave.
-    first : str
-        The mechanism that was put in first.
-    first_adds : float, optional
-        Log evidence that it adds beside the others, if there are any.
-    """
-
-    log_posterior: float
-    log_z: float
-    log_prior_alike: float
-    left: float
-    first: str
-    first_adds: float | None
-
-
-def whole_of(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Whole | None:
-    """What was put in, one in each round; None if nothing was."""
-    if not put_in:
-        return None
-    steps, last = rounds[: len(put_in)], put_in[-1]
-    prior = sum(step.log_prior(e.mechanism) for step, e in zip(steps, put_in, strict=True))
-    alike = sum(step.log_prior_alike(e.mechanism) for step, e in zip(steps, put_in, strict=True))
-    adds = None
-    if len(put_in) > 1:
-        rest = put_in[0].without
-        adds = last.log_z - rest.log_z if rest else 0.0
-    log_posterior = prior + steps[-1].log_z_alone(last)
-    return Whole(log_posterior, last.log_z, alike, steps[0].left(*put_in), put_in[0].mechanism, adds)
-
-
-def leading(put_in: Sequence[Entry]) -> int:
-    """Which of several effects the model misses most without it: the first to be found need not be it."""
-    without = [e.without.log_z for e in put_in if e.without]
-    return int(np.argmin(without)) if without else 0
-
-
-def probability_of(walk: tuple[Sequence[Round], Sequence[Entry]]) -> float:
-    """Log prior and evidence of what a search put in; minus infinity if that is nothing."""
-    whole = whole_of(*walk)
-    return whole.log_posterior if whole else -np.inf
-
-
-def best_set(rounds: Sequence[Round], put_in: Sequence[Entry]) -> list[Entry]:
-    """What was put in, or the first candidate where that alone is as probable; empty if there is none."""
-    alone = rounds[0].candidate
-    if alone is None:
-        return []
-    whole, single = whole_of(rounds, put_in), whole_of(rounds[:1], [alone])
-    in_company = len(put_in) > 1 and whole and single and whole.log_posterior > single.log_posterior
-    return list(put_in) if in_company else [alone]
 
 
 def explained(without: Hypothesis, with_it: Hypothesis) -> dict[str, float]:

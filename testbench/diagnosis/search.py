@@ -11,10 +11,12 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from testbench.diagnosis.discrepancy_map import log_z_with_map
+from testbench.diagnosis.entries import Entry
 from testbench.diagnosis.fits import Fits, Progress, best_first, evidence_of, first_of_each, law_names, newest
 from testbench.diagnosis.proposals import Law, Proposal, Screen, laws_of
+from testbench.diagnosis.put_in import best_set, probability_of, whole_of
 from testbench.diagnosis.refits import NullModel, Refits, promising
-from testbench.diagnosis.rounds import Entry, Round, best_set, explained, probability_of, whole_of
+from testbench.diagnosis.rounds import Round, explained
 from testbench.diagnosis.starts import drawn_anew
 from testbench.fitting import constants
 from testbench.fitting.baseline import SHAPES, laws_that_may_act, without_shapes

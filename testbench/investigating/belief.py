@@ -10,7 +10,8 @@ from scipy.special import logsumexp
 
 from testbench.design.forecast import Likely, Reading
 from testbench.diagnosis.probabilities import NOTHING, UNKNOWN, mixed_with_prior, prior_of
-from testbench.diagnosis.rounds import Round, Verdict, whole_of
+from testbench.diagnosis.put_in import whole_of
+from testbench.diagnosis.rounds import Round, Verdict
 from testbench.diagnosis.search import searched
 from testbench.fitting import constants
 from testbench.fitting.evidence.hypothesis import Hypothesis
