@@ -22,12 +22,12 @@ from typing import Any
 from bench_diagnosis import EFFECTS, OF_ONE_WORLD, Job, append, catalogue_for, jobs_of, line_of, read_rows, scored
 from diagnosis_score import Row, at_a_glance, goals, markdown
 
-from testbench.diagnosis.diagnosis import concluded
-from testbench.diagnosis.entries import Entry
-from testbench.diagnosis.probabilities import NOTHING, UNKNOWN
-from testbench.diagnosis.put_in import whole_of
-from testbench.diagnosis.rounds import Round
-from testbench.diagnosis.search import Search, searched
+from testbench.diagnosis.conclusion import concluded
+from testbench.diagnosis.judging.entries import Entry
+from testbench.diagnosis.judging.probabilities import NOTHING, UNKNOWN
+from testbench.diagnosis.judging.put_in import whole_of
+from testbench.diagnosis.judging.rounds import Round
+from testbench.diagnosis.searching.search import Search, searched
 from testbench.fitting import constants
 from testbench.measurements.measurement import split
 

@@ -21,7 +21,7 @@ from scipy.optimize import least_squares
 from testbench.comparing.compare import compare
 from testbench.comparing.residual_coordinates import coordinates
 from testbench.diagnosis import diagnose
-from testbench.diagnosis.proposals import laws_of
+from testbench.diagnosis.searching.proposals import laws_of
 from testbench.fitting.baseline import starting_baseline
 from testbench.fitting.evidence.evidence import maximised
 from testbench.fitting.evidence.laplace import _PosteriorFit

@@ -28,7 +28,7 @@ from joblib import Parallel, delayed
 from gcode.support.files import copy_file, make_folder
 from testbench.campaigns.plan import PROGRAM
 from testbench.campaigns.record import Job
-from testbench.diagnosis.probabilities import NOTHING
+from testbench.diagnosis.judging.probabilities import NOTHING
 from testbench.investigating import loop
 from testbench.investigating.benches import Order
 from testbench.investigating.state import Investigation, Settings

@@ -32,7 +32,7 @@ from gcode.support.strict import read_json
 from testbench.comparing.remounting import brought_together
 from testbench.diagnosis import Diagnosis, diagnose
 from testbench.diagnosis.diagnosis import calibration_and_held_out
-from testbench.diagnosis.probabilities import NOTHING, UNKNOWN
+from testbench.diagnosis.judging.probabilities import NOTHING, UNKNOWN
 from testbench.measurements.measurement import Measurement
 from testbench.recordings.versions import software_versions
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from threadpoolctl import threadpool_limits
 
 from testbench.comparing.ladder import drawn_to_data, fitted_file
-from testbench.diagnosis.proposals import Screen, laws_of
+from testbench.diagnosis.searching.proposals import Screen, laws_of
 from testbench.fitting.baseline import framed
 from testbench.fitting.evidence.laplace import fitted
 from testbench.fitting.evidence.likelihood import likelihood_of, noise_of, on_the_grid

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 from testbench.comparing.tables import ladder_table
 from testbench.comparing.words import percent, spoken
-from testbench.diagnosis.diagnosis import Diagnosis, Ranked
-from testbench.diagnosis.probabilities import NOTHING, UNKNOWN
+from testbench.diagnosis.judging.probabilities import NOTHING, UNKNOWN
+from testbench.diagnosis.result import Diagnosis, Ranked
 
 SHOWN = 6
 WORTH_SAYING = 0.8  # of the error that a law leaves: what leaves more is not near

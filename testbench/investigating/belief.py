@@ -9,10 +9,10 @@ import numpy as np
 from scipy.special import logsumexp
 
 from testbench.design.forecast import Likely, Reading
-from testbench.diagnosis.probabilities import NOTHING, UNKNOWN, mixed_with_prior, prior_of
-from testbench.diagnosis.put_in import whole_of
-from testbench.diagnosis.rounds import Round, Verdict
-from testbench.diagnosis.search import searched
+from testbench.diagnosis.judging.probabilities import NOTHING, UNKNOWN, mixed_with_prior, prior_of
+from testbench.diagnosis.judging.put_in import whole_of
+from testbench.diagnosis.judging.rounds import Round, Verdict
+from testbench.diagnosis.searching.search import searched
 from testbench.fitting import constants
 from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.knit.catalogue import Catalogue

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from testbench.comparing import words
 from testbench.comparing.words import percent
-from testbench.diagnosis.probabilities import NOTHING, UNKNOWN
+from testbench.diagnosis.judging.probabilities import NOTHING, UNKNOWN
 from testbench.investigating.state import SURE, Investigation, RunState
 
 SHOWN = 4

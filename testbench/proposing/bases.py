@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from testbench.diagnosis.search import Search
+from testbench.diagnosis.searching.search import Search
 from testbench.fitting.baseline import without_shapes
 from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.fitting.evidence.laplace import fitted

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import minimize
 
-from testbench.diagnosis.side_by_side import SideBySide
+from testbench.diagnosis.searching.side_by_side import SideBySide
 from testbench.knit.effect import FloatArray
 from testbench.proposing.grids import LATE_S, Grid, rounded, usual_size
 from testbench.proposing.laws.grammar import NO_MEMORY, SIGNAL_ONLY, coordinates_at, fits, price_of

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from testbench.diagnosis.fits import best_first, evidence_of, first_of_each
-from testbench.diagnosis.rounds import excess
-from testbench.diagnosis.search import Search
+from testbench.diagnosis.judging.order import best_first, evidence_of, first_of_each
+from testbench.diagnosis.judging.rounds import excess
+from testbench.diagnosis.searching.search import Search
 from testbench.fitting.baseline import without_shapes
 from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.fitting.evidence.laplace import fitted

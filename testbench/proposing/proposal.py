@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from testbench.comparing.ladder import on_the_ladder
 from testbench.comparing.model_errors import noise_floors, over_the_floors
-from testbench.diagnosis.search import Progress, Search
+from testbench.diagnosis.searching.search import Progress, Search
 from testbench.fitting.baseline import SHAPES
 from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.fitting.fit import Fit

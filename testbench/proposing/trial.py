@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from testbench.diagnosis.proposals import Proposal, Screen
-from testbench.diagnosis.starts import best_start
+from testbench.diagnosis.judging.entries import Proposal
+from testbench.diagnosis.searching.proposals import Screen
+from testbench.diagnosis.searching.starts import best_start
 from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.fitting.evidence.laplace import fitted
 from testbench.fitting.evidence.likelihood import Likelihood

@@ -25,7 +25,8 @@ from testbench.api.arguments import (
 from testbench.api.models.model_result import ModelResult
 from testbench.api.progress import Tell, telling
 from testbench.comparing.words import percent
-from testbench.diagnosis.diagnosis import REST_S, Diagnosis
+from testbench.diagnosis.diagnosis import REST_S
+from testbench.diagnosis.result import Diagnosis
 from testbench.diagnosis.words import diagnosis_table, first_line
 from testbench.investigating.words import spoken
 from testbench.measurements.measurement import MAX_GRID_HZ, MIN_PART

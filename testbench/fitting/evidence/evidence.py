@@ -7,7 +7,7 @@ MacKay's update, as have the sigma_c. Source: MacKay, Neural Computation 4 (1992
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -15,6 +15,7 @@ from scipy.linalg import blas, lapack
 
 from testbench.knit.effect import FloatArray
 
+Rows = Mapping[str, FloatArray]  # channel -> columns at the samples that count, shape (m, k)
 SMALLEST, LARGEST = 1e-2, 1e8  # of a group's precision, in that of its declared prior
 ANY_SIZE = float(np.log(LARGEST / SMALLEST))  # width of the prior of ln(precision) where any size is as likely
 OPEN = 1e2  # a start from which MacKay's updates reach either limit; from `LARGEST` they do not come back
@@ -64,6 +65,20 @@ class NormalEquations:
         for c, information in self.information(sigma).items():
             total += self.products[c] * information
         return total
+
+    def extended(self, base: Rows, rows: Rows, mean, precision, group) -> NormalEquations:
+        """The same with more columns (`base`, those that are there, and `rows` already weighted robustly)."""
+        products = {}
+        for c, gram in self.products.items():
+            cross = rows[c] @ base[c].T
+            products[c] = np.block([[gram, cross.T], [cross, rows[c] @ rows[c].T]])
+        return replace(
+            self,
+            products=products,
+            mean=np.r_[self.mean, mean],
+            precision=np.r_[self.precision, precision],
+            group=np.r_[self.group, np.asarray(group, int)],
+        )
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from testbench.comparing.compare import compare
 from testbench.comparing.ladder import fitted_file
 from testbench.design.rivals import rivals_from_diagnosis
 from testbench.diagnosis import diagnose
-from testbench.diagnosis.diagnosis import Diagnosis
+from testbench.diagnosis.result import Diagnosis
 from testbench.diagnosis.words import first_line
 from testbench.fitting import constants
 from testbench.fitting.baseline import starting_baseline

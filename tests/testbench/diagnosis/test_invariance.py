@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from testbench.diagnosis import diagnose
-from testbench.diagnosis.diagnosis import Diagnosis
+from testbench.diagnosis.result import Diagnosis
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect, Stage, parameter
 from testbench.recordings.recording import Recording

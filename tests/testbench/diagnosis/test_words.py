@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from testbench.diagnosis.diagnosis import Found
+from testbench.diagnosis.result import Found
 from testbench.diagnosis.words import first_line
 
 

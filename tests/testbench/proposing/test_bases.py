@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from testbench.diagnosis.search import Search
+from testbench.diagnosis.searching.search import Search
 from testbench.fitting.baseline import SHAPES
 from testbench.knit.mechanics.elasticity import ElasticityTwoSlopes
 from testbench.measurements.measurement import split

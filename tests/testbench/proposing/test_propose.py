@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from testbench.cli import main
-from testbench.diagnosis.search import Search
+from testbench.diagnosis.searching.search import Search
 from testbench.knit.catalogue import load_catalogue
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.rules import check

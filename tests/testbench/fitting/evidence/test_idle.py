@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from testbench.comparing.model_errors import rms_errors
-from testbench.diagnosis.candidates import is_vector
-from testbench.diagnosis.proposals import Screen, laws_of
+from testbench.diagnosis.searching.candidates import is_vector
+from testbench.diagnosis.searching.proposals import Screen, laws_of
 from testbench.fitting import constants
 from testbench.fitting.baseline import SHAPES, with_shapes
 from testbench.fitting.evidence.hypothesis import Hypothesis

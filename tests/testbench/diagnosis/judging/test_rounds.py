@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from scipy.special import logsumexp
 
-from testbench.diagnosis.entries import Entry
-from testbench.diagnosis.probabilities import NOTHING, UNKNOWN, Evidences, mixed_with_prior
-from testbench.diagnosis.put_in import best_set, leading, whole_of
-from testbench.diagnosis.rounds import Round
-from testbench.diagnosis.search import Search
+from testbench.diagnosis.judging.entries import Entry
+from testbench.diagnosis.judging.probabilities import NOTHING, UNKNOWN, Evidences, mixed_with_prior
+from testbench.diagnosis.judging.put_in import best_set, leading, whole_of
+from testbench.diagnosis.judging.rounds import Round
+from testbench.diagnosis.searching.search import Search
 from testbench.fitting import constants
 from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.knit.model import KnitModel

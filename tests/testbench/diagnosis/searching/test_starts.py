@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.diagnosis.proposals import Proposal, laws_of
-from testbench.diagnosis.starts import best_start, drawn_anew
+from testbench.diagnosis.judging.entries import Proposal
+from testbench.diagnosis.searching.proposals import laws_of
+from testbench.diagnosis.searching.starts import best_start, drawn_anew
 from testbench.fitting.baseline import starting_baseline, with_shapes
 from testbench.fitting.evidence.laplace import fitted
 from testbench.fitting.evidence.likelihood import likelihood_of, noise_of

@@ -7,20 +7,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from testbench.diagnosis.candidates import Candidate, candidate_mechanisms, expand, is_vector, two_signed
+from testbench.diagnosis.judging.entries import Proposal
+from testbench.diagnosis.searching.candidates import Candidate, candidate_mechanisms, expand, is_vector, two_signed
 from testbench.fitting.evidence.directions import Directions
-from testbench.fitting.evidence.evidence import LogEvidence, NormalEquations, is_on, maximised, opened
+from testbench.fitting.evidence.evidence import LogEvidence, Rows, is_on, maximised, opened
 from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.fitting.evidence.priors import declared_size, tail_evidence, typical, with_tails
 from testbench.fitting.parameters import shape_scales
 from testbench.knit.cache import SimulationCache
 from testbench.knit.catalogue import Catalogue
-from testbench.knit.effect import Effect, FloatArray
-from testbench.knit.model import KnitModel
+from testbench.knit.effect import FloatArray
 
-Rows = Mapping[str, FloatArray]  # channel -> columns at the samples that count, shape (m, k)
-WEAK = 0.1  # of the strength that the data ask for to first order
 POINTS = 2  # points of a law's grid whose evidence is computed with all scales free
 
 
@@ -43,38 +41,6 @@ class Law:
     def is_of_strain(self) -> bool:
         """Whether it changes what the base laws see."""
         return "strain" in self.candidates[0].effect.writes
-
-
-@dataclass(frozen=True, eq=False)
-class Proposal:
-    """A law at its best point.
-
-    Attributes
-    ----------
-    mechanism, law : str
-    effect : Effect
-    gain : float
-        In ln Z, to first order.
-    step : ndarray, shape (p,)
-        By which the model's own parameters move to make room for it, to first order, in the fit's coordinates.
-    model : KnitModel, optional
-        With the law in it, where it was refitted beside a stiff base; `gain` is then that of the refit.
-    """
-
-    mechanism: str
-    law: str
-    effect: Effect
-    gain: float
-    step: FloatArray
-    model: KnitModel | None = None
-
-    @property
-    def first(self) -> Effect:
-        """The law, weak: a start for a fit of a model that has made no room for it yet."""
-        strength = getattr(self.effect, self.effect.strength)
-        if self.effect.nonlinear or isinstance(strength, tuple):
-            return self.effect
-        return self.effect.near(**{self.effect.strength: WEAK * strength})
 
 
 def laws_of(hypothesis: Hypothesis, likelihood: Likelihood, catalogue: Catalogue) -> list[Law]:
@@ -201,7 +167,7 @@ class Screen:
         start = self.plain
         number = -1 if group < 0 else len(start.scale)
         priors = [mean] * count, [precision] * count, [number] * count
-        bigger = extended(self.normal, self.base, rows, *priors)
+        bigger = self.normal.extended(self.base, rows, *priors)
         if typical:
             bigger = replace(bigger, typical=bigger.typical | {number})
         scale = start.scale if group < 0 else np.r_[opened(start.scale), 1.0]
@@ -210,21 +176,6 @@ class Screen:
     def room_made(self, found: LogEvidence, count: int) -> FloatArray:
         """By which the model's own parameters move where so many columns were added, shape (p,)."""
         return self.directions.full(found.coefficients[:-count])
-
-
-def extended(normal: NormalEquations, base: Rows, rows: Rows, mean, precision, group) -> NormalEquations:
-    """The normal equations with more columns (`base` and `rows` already weighted robustly)."""
-    products = {}
-    for c, gram in normal.products.items():
-        cross = rows[c] @ base[c].T
-        products[c] = np.block([[gram, cross.T], [cross, rows[c] @ rows[c].T]])
-    return replace(
-        normal,
-        products=products,
-        mean=np.r_[normal.mean, mean],
-        precision=np.r_[normal.precision, precision],
-        group=np.r_[normal.group, np.asarray(group, int)],
-    )
 
 
 def amplitude_prior(candidate: Candidate, scales: Mapping[str, float]) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""What is put into a model: one law, refitted, and all that a search put in, together."""
+"""What is put into a model: one law, to first order or refitted, and all that a search put in, together."""
 
 from __future__ import annotations
 
@@ -8,7 +8,42 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from testbench.fitting.evidence.hypothesis import Hypothesis
+from testbench.knit.effect import Effect, FloatArray
 from testbench.knit.model import KnitModel
+
+WEAK = 0.1  # of the strength that the data ask for to first order
+
+
+@dataclass(frozen=True, eq=False)
+class Proposal:
+    """A law at its best point.
+
+    Attributes
+    ----------
+    mechanism, law : str
+    effect : Effect
+    gain : float
+        In ln Z, to first order.
+    step : ndarray, shape (p,)
+        By which the model's own parameters move to make room for it, to first order, in the fit's coordinates.
+    model : KnitModel, optional
+        With the law in it, where it was refitted beside a stiff base; `gain` is then that of the refit.
+    """
+
+    mechanism: str
+    law: str
+    effect: Effect
+    gain: float
+    step: FloatArray
+    model: KnitModel | None = None
+
+    @property
+    def first(self) -> Effect:
+        """The law, weak: a start for a fit of a model that has made no room for it yet."""
+        strength = getattr(self.effect, self.effect.strength)
+        if self.effect.nonlinear or isinstance(strength, tuple):
+            return self.effect
+        return self.effect.near(**{self.effect.strength: WEAK * strength})
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.diagnosis.search import Search
+from testbench.diagnosis.searching.search import Search
 from testbench.fitting.baseline import kinds_of_conduction, starting_baseline
 from testbench.fitting.evidence.likelihood import FINEST
 from testbench.knit.catalogue import load_catalogue

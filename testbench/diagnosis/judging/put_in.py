@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from testbench.diagnosis.entries import Entry, Whole
-from testbench.diagnosis.rounds import Round
+from testbench.diagnosis.judging.entries import Entry, Whole
+from testbench.diagnosis.judging.rounds import Round
 
 
 def whole_of(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Whole | None:

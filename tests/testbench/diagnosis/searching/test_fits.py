@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.diagnosis.fits import Fits
+from testbench.diagnosis.searching.fits import Fits
 from testbench.fitting.evidence.laplace import fitted
 from testbench.knit.mechanics.relaxation import StressRelaxation
 from testbench.knit.readout.interference import PeriodicInterference

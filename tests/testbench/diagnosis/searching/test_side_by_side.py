@@ -11,7 +11,7 @@ import types
 import numpy as np
 import pytest
 
-from testbench.diagnosis.side_by_side import SideBySide
+from testbench.diagnosis.searching.side_by_side import SideBySide
 
 
 @pytest.fixture(params=["processes", "threads", "alone"])
@@ -46,7 +46,7 @@ def test_the_work_is_done_in_other_processes() -> None:
 
 KILLED_AT_WORK = """
 import os, signal, sys
-from testbench.diagnosis.side_by_side import SideBySide
+from testbench.diagnosis.searching.side_by_side import SideBySide
 
 def work(number):
     if number == 1:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.diagnosis.probabilities import UNKNOWN, over_errors
+from testbench.diagnosis.judging.probabilities import UNKNOWN, over_errors
 
 
 def each_of_its_own(**chances: float) -> dict[str, dict[str, float]]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from testbench.comparing.ladder import drawn_to_data
-from testbench.diagnosis.proposals import Law, Proposal
+from testbench.diagnosis.judging.entries import Proposal
+from testbench.diagnosis.searching.proposals import Law
 from testbench.fitting.downhill import huber
 from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.fitting.evidence.laplace import PARTS

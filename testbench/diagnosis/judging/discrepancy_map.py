@@ -11,7 +11,6 @@ from functools import lru_cache
 import numpy as np
 
 from testbench.comparing.freeform import features
-from testbench.diagnosis.proposals import extended
 from testbench.fitting.evidence.evidence import maximised, opened
 from testbench.fitting.evidence.hypothesis import Hypothesis, tail
 from testbench.fitting.evidence.likelihood import Likelihood
@@ -49,9 +48,8 @@ def mapped(h: Hypothesis, likelihood: Likelihood) -> Map:
     plain = replace(h.pinned, least=likelihood.misfit)  # a closer fit earns a map nothing, either
     without = maximised(plain, scale=own, sigma=sigma)
     scale = np.r_[opened(own), np.full(len(names) * len(channels), 10.0)]
-    found = maximised(
-        extended(plain, base, rows, np.zeros(len(precision)), precision, group), scale=scale, sigma=sigma
-    )
+    bigger = plain.extended(base, rows, np.zeros(len(precision)), precision, group)
+    found = maximised(bigger, scale=scale, sigma=sigma)
     gains, tails = {}, 0.0
     for c, part in parts.items():
         robust, amounts, mine = h.robust[c], found.coefficients[size:][part], rows[c][part]

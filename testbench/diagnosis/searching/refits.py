@@ -9,11 +9,11 @@ from functools import partial
 
 import numpy as np
 
-from testbench.diagnosis.candidates import can_act, is_vector
-from testbench.diagnosis.entries import Entry
-from testbench.diagnosis.fits import Fits, best_first, evidence_of, first_of_each, law_names, like_another, newest
-from testbench.diagnosis.proposals import Proposal
-from testbench.diagnosis.starts import best_start
+from testbench.diagnosis.judging.entries import Entry, Proposal
+from testbench.diagnosis.judging.order import best_first, evidence_of, first_of_each
+from testbench.diagnosis.searching.candidates import can_act, is_vector
+from testbench.diagnosis.searching.fits import Fits, law_names, like_another, newest
+from testbench.diagnosis.searching.starts import best_start
 from testbench.fitting import constants
 from testbench.fitting.baseline import framed, without_shapes
 from testbench.fitting.evidence.hypothesis import Hypothesis

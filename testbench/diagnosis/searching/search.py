@@ -10,14 +10,15 @@ from functools import cached_property
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from testbench.diagnosis.discrepancy_map import log_z_with_map
-from testbench.diagnosis.entries import Entry
-from testbench.diagnosis.fits import Fits, Progress, best_first, evidence_of, first_of_each, law_names, newest
-from testbench.diagnosis.proposals import Law, Proposal, Screen, laws_of
-from testbench.diagnosis.put_in import best_set, probability_of, whole_of
-from testbench.diagnosis.refits import NullModel, Refits, promising
-from testbench.diagnosis.rounds import Round, explained
-from testbench.diagnosis.starts import drawn_anew
+from testbench.diagnosis.judging.discrepancy_map import log_z_with_map
+from testbench.diagnosis.judging.entries import Entry, Proposal
+from testbench.diagnosis.judging.order import best_first, evidence_of, first_of_each
+from testbench.diagnosis.judging.put_in import best_set, probability_of, whole_of
+from testbench.diagnosis.judging.rounds import Round, explained
+from testbench.diagnosis.searching.fits import Fits, Progress, law_names, newest
+from testbench.diagnosis.searching.proposals import Law, Screen, laws_of
+from testbench.diagnosis.searching.refits import NullModel, Refits, promising
+from testbench.diagnosis.searching.starts import drawn_anew
 from testbench.fitting import constants
 from testbench.fitting.baseline import SHAPES, laws_that_may_act, without_shapes
 from testbench.fitting.evidence.hypothesis import Hypothesis, own_part, under

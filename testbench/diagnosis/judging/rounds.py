@@ -10,9 +10,9 @@ from typing import Literal
 import numpy as np
 from scipy.special import logsumexp
 
-from testbench.diagnosis.entries import Entry, Whole
-from testbench.diagnosis.fits import best_first, first_of_each
-from testbench.diagnosis.probabilities import (
+from testbench.diagnosis.judging.entries import Entry, Proposal, Whole
+from testbench.diagnosis.judging.order import best_first, first_of_each
+from testbench.diagnosis.judging.probabilities import (
     NOTHING,
     SO_FAR,
     UNKNOWN,
@@ -22,7 +22,6 @@ from testbench.diagnosis.probabilities import (
     over_errors,
     prior_of,
 )
-from testbench.diagnosis.proposals import Proposal
 from testbench.fitting import constants
 from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.fitting.evidence.likelihood import Likelihood

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
-from typing import Protocol, TypeVar
 
 from testbench.comparing.ladder import drawn_to_data
 from testbench.comparing.model_errors import log_error
-from testbench.diagnosis.side_by_side import SideBySide
+from testbench.diagnosis.judging.order import evidence_of
+from testbench.diagnosis.searching.side_by_side import SideBySide
 from testbench.fitting import constants
 from testbench.fitting.baseline import (
     SHAPES,
@@ -36,17 +36,6 @@ from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
 
 Progress = Callable[[str], None]
-One = TypeVar("One")
-
-
-class Weighed(Protocol):
-    """What has a log evidence."""
-
-    @property
-    def log_z(self) -> float: ...
-
-
-AnyWeighed = TypeVar("AnyWeighed", bound=Weighed)
 
 
 class Fits:
@@ -188,21 +177,3 @@ def law_names(effects: Mapping[str, Effect]) -> tuple[str, ...]:
 def newest(model: KnitModel, before: KnitModel) -> str:
     """Name of the effect that a model has, and the one before it has not."""
     return next(name for name in model if name not in before)
-
-
-def evidence_of(found: Weighed) -> float:
-    """Log evidence, to sort by."""
-    return found.log_z
-
-
-def first_of_each(ordered: Iterable[One], kind: Callable[[One], Hashable]) -> list[One]:
-    """The first of each kind, in order."""
-    first: dict[Hashable, One] = {}
-    for one in ordered:
-        first.setdefault(kind(one), one)
-    return list(first.values())
-
-
-def best_first(found: Iterable[AnyWeighed]) -> list[AnyWeighed]:
-    """Sorted by their evidence."""
-    return sorted(found, key=evidence_of, reverse=True)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from testbench.diagnosis.entries import Entry
-from testbench.diagnosis.fits import Fits
-from testbench.diagnosis.refits import NullModel, Refits, acts_on_force
+from testbench.diagnosis.judging.entries import Entry
+from testbench.diagnosis.searching.fits import Fits
+from testbench.diagnosis.searching.refits import NullModel, Refits, acts_on_force
 from testbench.knit.catalogue import load_catalogue
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import prepare

@@ -1,0 +1,1 @@
+"""One way to judge: evidences, what is put in, and the probabilities that follow."""
