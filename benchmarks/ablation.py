@@ -29,7 +29,7 @@ from testbench.diagnosis.judging.put_in import whole_of
 from testbench.diagnosis.judging.rounds import Round
 from testbench.diagnosis.searching.search import Search, searched
 from testbench.fitting import constants
-from testbench.measurements.measurement import split
+from testbench.measurements.splitting import split
 
 PROBABILITIES = ("PRIOR_NOTHING", "PRIOR_UNKNOWN", "MISLED")
 JUDGING = (

@@ -29,8 +29,9 @@ from testbench.fitting.fit import fit
 from testbench.fitting.parameters import free_parameters, shape_scales
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.model import KnitModel
-from testbench.measurements.measurement import Measurement, split
+from testbench.measurements.measurement import Measurement
 from testbench.measurements.noise_level import noise_floor
+from testbench.measurements.splitting import split
 from testbench.worlds import make_case
 
 STAGES: dict[str, Callable[..., Any]] = {

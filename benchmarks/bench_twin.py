@@ -32,7 +32,8 @@ from compensation.training.twin_models import plausible
 from testbench.fitting.baseline import starting_baseline
 from testbench.fitting.fit import fit
 from testbench.knit.model import KnitModel
-from testbench.measurements.measurement import coarser, prepare
+from testbench.measurements.coarser import coarser
+from testbench.measurements.preparing import prepare
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
 

@@ -14,7 +14,9 @@ import numpy as np
 from testbench.fitting.fit import Fit, fit
 from testbench.knit.catalogue import load_catalogue
 from testbench.knit.model import KnitModel
-from testbench.measurements.measurement import Measurement, coarser, prepare
+from testbench.measurements.coarser import coarser
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.preparing import prepare
 from testbench.recordings.recording import Recording
 
 # Effects that remember, weak at first: a fit makes of them what the measurement asks for. In the order of the chain.

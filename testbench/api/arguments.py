@@ -18,7 +18,8 @@ from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
 from testbench.knit.presets import names as preset_names
 from testbench.knit.presets import preset
-from testbench.measurements.measurement import MAX_GRID_HZ, MIN_PART
+from testbench.measurements.preparing import MAX_GRID_HZ
+from testbench.measurements.splitting import MIN_PART
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
 from testbench.recordings.checks import known_length
 from testbench.recordings.doubts import check_gap, check_grid, say_if_same, say_sign

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.fitting.evidence.likelihood import independent_share
+from testbench.fitting.evidence.telling import independent_share
 from testbench.fitting.parameters import free_parameters, shape_scales
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache

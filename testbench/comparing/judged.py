@@ -14,7 +14,9 @@ from gcode.support.errors import UserError
 from testbench.comparing.clamping import Zero, may_be_clamped_anew, moved, zero_of
 from testbench.comparing.remounting import remounted
 from testbench.knit.model import KnitModel
-from testbench.measurements.measurement import Measurement, check_play, prepare, split
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.preparing import prepare
+from testbench.measurements.splitting import check_play, split
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import ModelFile, same_source
 

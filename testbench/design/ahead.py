@@ -10,7 +10,8 @@ import numpy as np
 from gcode.trajectories.trajectory import Trajectory
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import inputs
-from testbench.measurements.measurement import BURN_IN_S, Measurement
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.preparing import BURN_IN_S
 from testbench.recordings.channels import DISPLACEMENT
 from testbench.recordings.recording import Recording
 

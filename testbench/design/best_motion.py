@@ -20,7 +20,8 @@ from testbench.design.compositions import ROOM, Motion, drawn, in_words, motion_
 from testbench.design.forecast import Forecaster, Likely, Reading
 from testbench.design.information import Information, information
 from testbench.design.protocols import NOISE, SHORTEST_EXPERIMENT_S, Bounds, drivable
-from testbench.measurements.measurement import Measurement, coarser
+from testbench.measurements.coarser import coarser
+from testbench.measurements.measurement import Measurement
 
 DESIGN_HZ = 5.0  # grid of the predictions
 BEST = 3  # motions whose neighbours are tried

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from testbench.fitting.evidence.laplace import fitted
-from testbench.fitting.evidence.likelihood import independent_share, known_noise
+from testbench.fitting.evidence.sample_noise import known_noise
+from testbench.fitting.evidence.telling import independent_share
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement

@@ -10,7 +10,8 @@ from testbench.comparing.ladder import drawn_to_data, fitted_file
 from testbench.diagnosis.searching.proposals import Screen, laws_of
 from testbench.fitting.baseline import framed
 from testbench.fitting.evidence.laplace import fitted
-from testbench.fitting.evidence.likelihood import likelihood_of, noise_of, on_the_grid
+from testbench.fitting.evidence.sample_noise import likelihood_of, noise_of
+from testbench.fitting.evidence.telling import on_the_grid
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel

@@ -12,7 +12,8 @@ from testbench.fitting import constants
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.model import KnitModel
 from testbench.measurements.joining import joined, last_of
-from testbench.measurements.measurement import Measurement, split
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.splitting import split
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import ModelFile
 

@@ -9,8 +9,10 @@ import numpy as np
 
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import inputs
-from testbench.measurements.measurement import MAX_GRID_HZ, Measurement, check_gauge_length, prepare
+from testbench.measurements.measurement import Measurement
 from testbench.measurements.motion import reading_noise
+from testbench.measurements.preparing import MAX_GRID_HZ, prepare
+from testbench.measurements.splitting import check_gauge_length
 from testbench.recordings.recording import Recording
 
 

@@ -16,7 +16,8 @@ from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.fitting.fit import Fit
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.model import KnitModel
-from testbench.measurements.measurement import Measurement, split
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.splitting import split
 from testbench.proposing.blindness import not_judged
 from testbench.proposing.grids import Grid
 from testbench.proposing.hunt import Hunt

@@ -13,7 +13,7 @@ from testbench.cli import main
 from testbench.comparing.ladder import ladder_step
 from testbench.knit.catalogue import load_catalogue
 from testbench.knit.model import inputs
-from testbench.measurements.measurement import prepare
+from testbench.measurements.preparing import prepare
 from testbench.results.model_file import ModelFile
 from tests.testbench.builders import motion, record, truth, write_csv
 

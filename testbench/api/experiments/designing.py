@@ -22,7 +22,7 @@ from testbench.design.protocols import Bounds, menu
 from testbench.design.rivals import rivals_from_diagnosis, rivals_of
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import FloatArray
-from testbench.measurements.measurement import split
+from testbench.measurements.splitting import split
 from testbench.recordings.channels import TEMPERATURE
 from testbench.report import style
 from testbench.report.downsample import rows_to_draw

@@ -29,7 +29,8 @@ from testbench.diagnosis.diagnosis import REST_S
 from testbench.diagnosis.result import Diagnosis
 from testbench.diagnosis.words import diagnosis_table, first_line
 from testbench.investigating.words import spoken
-from testbench.measurements.measurement import MAX_GRID_HZ, MIN_PART
+from testbench.measurements.preparing import MAX_GRID_HZ
+from testbench.measurements.splitting import MIN_PART
 from testbench.recordings.doubts import check_distinct, check_grid
 from testbench.recordings.recording import Recording
 from testbench.report import style

@@ -14,7 +14,7 @@ from testbench.comparing.ladder import idle_effects
 from testbench.comparing.ladder import undo as taken_back
 from testbench.diagnosis.adding import add_effect
 from testbench.knit.catalogue import BASELINE
-from testbench.measurements.measurement import split
+from testbench.measurements.splitting import split
 
 
 def add(

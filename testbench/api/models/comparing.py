@@ -20,7 +20,8 @@ from testbench.comparing.judged import Judged, judged
 from testbench.comparing.model_errors import channel_name
 from testbench.comparing.tables import comparison_table
 from testbench.knit.model import KnitModel
-from testbench.measurements.measurement import Measurement, prepare
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.preparing import prepare
 from testbench.measurements.responses import UNIT_OF
 from testbench.report import style
 from testbench.report.figures.residual_figures import COORDINATE_TITLES, LOG_COORDINATES, centre

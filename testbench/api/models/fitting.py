@@ -16,7 +16,8 @@ from testbench.comparing.clamping import may_be_clamped_anew
 from testbench.comparing.ladder import fitted_file
 from testbench.comparing.tables import errors_line, fit_table
 from testbench.fitting.baseline import starting_baseline
-from testbench.measurements.measurement import Measurement, split
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.splitting import split
 from testbench.results.model_file import ModelFile
 
 if TYPE_CHECKING:

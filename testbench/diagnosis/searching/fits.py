@@ -20,16 +20,11 @@ from testbench.fitting.baseline import (
     without_shapes,
 )
 from testbench.fitting.evidence.hypothesis import Hypothesis
+from testbench.fitting.evidence.jitter import jitter_of
 from testbench.fitting.evidence.laplace import fitted
-from testbench.fitting.evidence.likelihood import (
-    Likelihood,
-    jitter_of,
-    law_error_of,
-    likelihood_of,
-    noise_of,
-    on_the_grid,
-    telling,
-)
+from testbench.fitting.evidence.likelihood import Likelihood, law_error_of
+from testbench.fitting.evidence.sample_noise import likelihood_of, noise_of
+from testbench.fitting.evidence.telling import on_the_grid, telling
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel

@@ -17,7 +17,8 @@ from gcode.support.errors import UserError
 from testbench.fitting.fit import fit
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.knit.model import KnitModel
-from testbench.measurements.measurement import coarser, prepare
+from testbench.measurements.coarser import coarser
+from testbench.measurements.preparing import prepare
 from testbench.recordings.files import write_recording_csv
 
 

@@ -19,7 +19,7 @@ from testbench.api.models.adding import laws_with
 from testbench.campaigns.alignment import Alignment
 from testbench.comparing.contribution import contribution
 from testbench.knit.catalogue import load_catalogue, model_from_dict
-from testbench.measurements.measurement import split
+from testbench.measurements.splitting import split
 from tests.testbench.api.samples import diagnosed, fitted, relaxed
 
 mpl.use("Agg")

@@ -13,7 +13,8 @@ from testbench.comparing.ladder import on_the_ladder
 from testbench.comparing.remounting import held_errors
 from testbench.comparing.tables import errors_line
 from testbench.fitting.fit import Fit, fit
-from testbench.measurements.measurement import Measurement, split
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.splitting import split
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import load_model_file
 from tests.testbench.builders import NOISE_LN, NOISE_N, record, truth, write_csv

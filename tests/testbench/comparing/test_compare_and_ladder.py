@@ -10,7 +10,8 @@ from testbench.comparing.compare import compare, residual_maps
 from testbench.comparing.ladder import fitted_file, idle_effects, undo
 from testbench.comparing.residual_coordinates import coordinates
 from testbench.diagnosis.adding import add_effect
-from testbench.measurements.measurement import prepare, split
+from testbench.measurements.preparing import prepare
+from testbench.measurements.splitting import split
 from testbench.results.model_file import load_model_file
 from tests.testbench.builders import CATALOGUE, record, truth
 

@@ -10,7 +10,8 @@ import pytest
 from testbench.comparing.contribution import contribution
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.knit.model import KnitModel, inputs
-from testbench.measurements.measurement import Measurement, prepare
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.preparing import prepare
 from testbench.recordings.recording import Recording
 
 

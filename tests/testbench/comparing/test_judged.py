@@ -16,7 +16,8 @@ from testbench.comparing.judged import judged
 from testbench.comparing.ladder import on_the_ladder
 from testbench.comparing.remounting import held_errors
 from testbench.fitting.fit import fit
-from testbench.measurements.measurement import prepare, split
+from testbench.measurements.preparing import prepare
+from testbench.measurements.splitting import split
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import ModelFile, same_source
 from tests.testbench.builders import CATALOGUE, NOISE_LN, record, truth, write_csv

@@ -10,7 +10,7 @@ from testbench.comparing.ladder import fitted_file, undo
 from testbench.comparing.tables import ladder_table
 from testbench.diagnosis.adding import add_effect
 from testbench.knit.mechanics.elasticity import ElasticityTwoSlopes
-from testbench.measurements.measurement import split
+from testbench.measurements.splitting import split
 from tests.testbench.builders import CATALOGUE, record, truth
 
 TWO_SLOPES = ElasticityTwoSlopes(stiffness_N=6.0, more_N=14.0, knee=0.163, width=0.017)

@@ -14,7 +14,7 @@ from testbench.knit.conduction.heat import (
     ThermalSoftening,
 )
 from testbench.knit.readout.interference import PeriodicInterference
-from testbench.measurements.measurement import prepare
+from testbench.measurements.preparing import prepare
 from tests.testbench.builders import NOISE_LN, record, truth
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from testbench.knit.model import KnitModel
-from testbench.measurements.measurement import Measurement, prepare
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.preparing import prepare
 from tests.testbench.builders import record
 
 

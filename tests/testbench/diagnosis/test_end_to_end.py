@@ -18,7 +18,7 @@ from testbench.diagnosis.words import first_line
 from testbench.fitting import constants
 from testbench.fitting.baseline import starting_baseline
 from testbench.knit.catalogue import load_catalogue, model_from_dict
-from testbench.measurements.measurement import split
+from testbench.measurements.splitting import split
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
 from testbench.results.result_files import checked_diagnosis

@@ -11,8 +11,8 @@ import pytest
 
 import testbench as tb
 from testbench.fitting import constants
-from testbench.fitting.evidence.likelihood import on_the_grid, telling
-from testbench.measurements.measurement import prepare
+from testbench.fitting.evidence.telling import on_the_grid, telling
+from testbench.measurements.preparing import prepare
 from tests.testbench.builders import record, truth, write_csv
 
 HOURS = 6

@@ -6,7 +6,7 @@ import pytest
 
 from testbench.fitting.baseline import starting_baseline
 from testbench.fitting.fit import fit
-from testbench.measurements.measurement import prepare
+from testbench.measurements.preparing import prepare
 from tests.testbench.builders import CATALOGUE, record, truth
 
 

@@ -9,13 +9,14 @@ from scipy.optimize import minimize
 from testbench.fitting.baseline import starting_baseline, with_shapes
 from testbench.fitting.downhill import huber
 from testbench.fitting.evidence.laplace import fitted
-from testbench.fitting.evidence.likelihood import independent_share, likelihood_of, noise_of
+from testbench.fitting.evidence.sample_noise import likelihood_of, noise_of
+from testbench.fitting.evidence.telling import independent_share
 from testbench.fitting.fit import fit
 from testbench.fitting.parameters import FreeParameters, free_parameters, shape_scales
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
-from testbench.measurements.measurement import prepare
 from testbench.measurements.noise_level import noise_floor, robust_sd
+from testbench.measurements.preparing import prepare
 from tests.testbench.builders import NOISE_LN, NOISE_N, record, truth
 
 KNOWN = ("elasticity.stiffness_N", "elasticity.curvature", "hysteresis.friction_N", "hysteresis.threshold")

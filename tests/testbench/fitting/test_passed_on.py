@@ -11,7 +11,7 @@ from testbench.fitting.passed_on import Chain
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
 from testbench.knit.catalogue import load_catalogue
-from testbench.measurements.measurement import prepare
+from testbench.measurements.preparing import prepare
 from tests.testbench.builders import record, truth
 
 EFFECTS = load_catalogue().effects

@@ -276,7 +276,7 @@ def test_measured_pulls_of_one_fabric_are_five_recordings():
 
 def test_a_held_out_recording_beyond_the_calibrated_strain_is_said(capsys):
     from testbench.api.models.fitting import beyond_calibration
-    from testbench.measurements.measurement import split
+    from testbench.measurements.splitting import split
     from testbench.recordings.recording import Recording
 
     time_s = np.arange(0, 60, 0.1)

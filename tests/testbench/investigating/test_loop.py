@@ -16,7 +16,7 @@ from testbench.investigating import loop
 from testbench.investigating.benches import SimulatedBench
 from testbench.investigating.state import NAME, load_investigation, run_folder
 from testbench.measurements.joining import joined
-from testbench.measurements.measurement import prepare
+from testbench.measurements.preparing import prepare
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems
 from tests.testbench.builders import CATALOGUE

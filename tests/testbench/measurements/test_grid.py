@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from testbench.comparing.model_errors import noise_floors
-from testbench.fitting.evidence.likelihood import HOLD_STEP, telling
-from testbench.measurements import measurement as measurements
-from testbench.measurements.measurement import coarser, prepare, split
+from testbench.fitting.evidence.telling import HOLD_STEP, telling
+from testbench.measurements import preparing
+from testbench.measurements.coarser import _turns_kept, coarser
+from testbench.measurements.preparing import prepare
+from testbench.measurements.splitting import split
 from testbench.recordings.channels import DISPLACEMENT, FORCE
 from testbench.recordings.recording import Recording
 
@@ -104,7 +106,7 @@ def test_a_coarser_grid_keeps_the_turns_and_the_start(every):
 def test_a_coarser_grid_of_a_noisy_hold_takes_no_extremes():
     fine = prepare(triangles(12.0))
     noise = 1e-4 * np.random.default_rng(1).standard_normal(len(fine.grid_s))
-    kept = measurements._turns_kept(0.1 + noise, 6, 1e-4)
+    kept = _turns_kept(0.1 + noise, 6, 1e-4)
     assert np.ptp(np.diff(kept)[1:]) == 0
 
 
@@ -113,7 +115,7 @@ def test_most_points_hold_whatever_the_rate():
 
 
 def test_a_long_recording_enters_thinned_its_times_kept(monkeypatch):
-    monkeypatch.setattr(measurements, "MOST_READINGS", 4000)
+    monkeypatch.setattr(preparing, "MOST_READINGS", 4000)
     measurement = prepare(triangles(12.0))
     np.testing.assert_allclose(np.diff(measurement.grid_s), 3 / 12, atol=1e-9)
     assert measurement.recording.duration_s == pytest.approx(800, abs=0.5)

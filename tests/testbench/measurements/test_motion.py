@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from testbench.knit.mechanics.hysteresis import HysteresisBoucWen
-from testbench.measurements.measurement import prepare
 from testbench.measurements.motion import TURN, reading_noise, without_reading_noise, without_small_turns
+from testbench.measurements.preparing import prepare
 from testbench.recordings.channels import DISPLACEMENT, FORCE
 from testbench.recordings.recording import Recording
 

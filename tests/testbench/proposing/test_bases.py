@@ -10,7 +10,7 @@ import pytest
 from testbench.diagnosis.searching.search import Search
 from testbench.fitting.baseline import SHAPES
 from testbench.knit.mechanics.elasticity import ElasticityTwoSlopes
-from testbench.measurements.measurement import split
+from testbench.measurements.splitting import split
 from testbench.proposing import propose_law
 from testbench.proposing.hunt import Hunt
 from testbench.recordings.recording import Recording

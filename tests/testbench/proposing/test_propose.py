@@ -14,7 +14,7 @@ from testbench.diagnosis.searching.search import Search
 from testbench.knit.catalogue import load_catalogue
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.rules import check
-from testbench.measurements.measurement import split
+from testbench.measurements.splitting import split
 from testbench.proposing import Proposed, propose_law
 from testbench.proposing.blindness import not_judged
 from testbench.proposing.hunt import Hunt

@@ -172,7 +172,7 @@ def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
 def _notes(studio: Studio, c: str, found: ComparisonResult) -> list[str]:
     """What `testbench fit` and `compare` say of another recording, in the page's words."""
     from testbench.api.models.fitting import beyond_calibration
-    from testbench.measurements.measurement import prepare
+    from testbench.measurements.preparing import prepare
 
     beyond = beyond_calibration(prepare(studio.workspace.recording(c)), found.measurement)
     source = f"{found.measurement.recording.source}: "

@@ -7,10 +7,11 @@ import pytest
 
 from testbench.diagnosis.searching.search import Search
 from testbench.fitting.baseline import kinds_of_conduction, starting_baseline
-from testbench.fitting.evidence.likelihood import FINEST
+from testbench.fitting.evidence.sample_noise import FINEST
 from testbench.knit.catalogue import load_catalogue
-from testbench.measurements.measurement import Measurement, prepare
+from testbench.measurements.measurement import Measurement
 from testbench.measurements.noise_level import spread
+from testbench.measurements.preparing import prepare
 from tests.testbench.builders import NOISE_LN, record, truth
 
 CATALOGUE = load_catalogue()

@@ -9,7 +9,7 @@ from testbench.diagnosis.searching.fits import Fits
 from testbench.fitting.evidence.laplace import fitted
 from testbench.knit.mechanics.relaxation import StressRelaxation
 from testbench.knit.readout.interference import PeriodicInterference
-from testbench.measurements.measurement import prepare
+from testbench.measurements.preparing import prepare
 from tests.testbench.builders import CATALOGUE, record, truth
 
 

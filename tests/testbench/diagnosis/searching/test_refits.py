@@ -7,7 +7,7 @@ from testbench.diagnosis.searching.fits import Fits
 from testbench.diagnosis.searching.refits import NullModel, Refits, acts_on_force
 from testbench.knit.catalogue import load_catalogue
 from testbench.knit.model import KnitModel
-from testbench.measurements.measurement import prepare
+from testbench.measurements.preparing import prepare
 from tests.testbench.builders import record, truth
 
 CATALOGUE = load_catalogue()

@@ -10,11 +10,11 @@ from testbench.diagnosis.searching.proposals import laws_of
 from testbench.diagnosis.searching.starts import best_start, drawn_anew
 from testbench.fitting.baseline import starting_baseline, with_shapes
 from testbench.fitting.evidence.laplace import fitted
-from testbench.fitting.evidence.likelihood import likelihood_of, noise_of
+from testbench.fitting.evidence.sample_noise import likelihood_of, noise_of
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.kinematics.grip import Slack
 from testbench.knit.readout.interference import PeriodicInterferenceForce
-from testbench.measurements.measurement import prepare
+from testbench.measurements.preparing import prepare
 from tests.testbench.builders import record, truth
 
 

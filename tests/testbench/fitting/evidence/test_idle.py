@@ -11,9 +11,11 @@ from testbench.fitting import constants
 from testbench.fitting.baseline import SHAPES, with_shapes
 from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.fitting.evidence.laplace import fitted
-from testbench.fitting.evidence.likelihood import likelihood_of, noise_of
+from testbench.fitting.evidence.sample_noise import likelihood_of, noise_of
 from testbench.knit.catalogue import load_catalogue
-from testbench.measurements.measurement import Measurement, coarser, prepare
+from testbench.measurements.coarser import coarser
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.preparing import prepare
 from tests.testbench.builders import CATALOGUE, record, truth
 
 SLOPE_PER_KS = 0.3  # of the drift: 0.09 in ln G over five minutes, thirty times the noise

@@ -8,10 +8,13 @@ import numpy as np
 import pytest
 
 from testbench.fitting import constants
+from testbench.fitting.evidence.jitter import jitter_of
 from testbench.fitting.evidence.laplace import fitted
-from testbench.fitting.evidence.likelihood import Likelihood, jitter_of, law_error_of, likelihood_of, noise_of
+from testbench.fitting.evidence.likelihood import Likelihood, law_error_of
+from testbench.fitting.evidence.sample_noise import likelihood_of, noise_of
 from testbench.knit.model import KnitModel
-from testbench.measurements.measurement import Measurement, prepare
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.preparing import prepare
 from testbench.recordings.recording import Recording
 from tests.testbench.builders import CATALOGUE, record, truth
 

@@ -7,10 +7,10 @@ import pytest
 
 from testbench.fitting.evidence.hypothesis import imitated, own_part
 from testbench.fitting.evidence.laplace import fitted
-from testbench.fitting.evidence.likelihood import likelihood_of, noise_of
+from testbench.fitting.evidence.sample_noise import likelihood_of, noise_of
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
-from testbench.measurements.measurement import prepare
+from testbench.measurements.preparing import prepare
 from tests.testbench.builders import CATALOGUE, record, truth
 
 

@@ -10,7 +10,7 @@ from testbench.fitting.baseline import with_shapes
 from testbench.fitting.evidence.priors import declared, priors_of, tail_evidence, typical, with_tails
 from testbench.fitting.parameters import value_of
 from testbench.knit.effect import bounds_of
-from testbench.measurements.measurement import prepare
+from testbench.measurements.preparing import prepare
 from tests.testbench.builders import CATALOGUE, record, truth
 
 SCALARS = [  # of a vector of weights the evidence finds the scale

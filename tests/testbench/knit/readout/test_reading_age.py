@@ -7,10 +7,11 @@ import pytest
 
 import testbench as tb
 from testbench.fitting.baseline import starting_baseline
-from testbench.fitting.evidence.likelihood import jitter_of, likelihood_of, noise_of
+from testbench.fitting.evidence.jitter import jitter_of
+from testbench.fitting.evidence.sample_noise import likelihood_of, noise_of
 from testbench.fitting.fit import fit
 from testbench.knit.readout.reading_age import ConductanceAge, ForceAge
-from testbench.measurements.measurement import prepare
+from testbench.measurements.preparing import prepare
 from tests.testbench.builders import record, truth
 
 TIME_S = np.arange(0, 60, 0.02)

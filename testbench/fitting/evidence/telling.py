@@ -1,0 +1,41 @@
+"""Which samples of a measurement say something new, and how many of them are independent."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from testbench.fitting import constants
+from testbench.measurements.coarser import coarser
+from testbench.measurements.measurement import Measurement
+
+MOTION_STEP, HOLD_STEP = 1e-4, 0.02  # of the range of the strain in a step; of the time since the motion ended
+
+
+def on_the_grid(measurement: Measurement, finer: int = 1) -> Measurement:
+    """Thinned to the grid of the comparison, or to one of `finer` times as many points."""
+    return coarser(measurement, constants.GRID_HZ, finer * constants.GRID_POINTS)
+
+
+def telling(measurement: Measurement) -> Measurement:
+    """Only samples that say something new count: in a hold they repeat each other, ever more so.
+
+    All are kept while the knit moves; in a hold one after each `HOLD_STEP` of the time since the motion ended. A ramp
+    of seconds before a hold of hours would weigh nothing otherwise.
+    """
+    strain, dt_s = measurement.signals["strain"], measurement.dt_s
+    moving = np.abs(np.diff(strain, prepend=strain[:1])) > MOTION_STEP * max(float(np.ptp(strain)), 1e-9)
+    index = np.arange(len(strain))
+    still_s = (index - np.maximum.accumulate(np.where(moving, index, 0))) * dt_s
+    passed = np.cumsum(dt_s / np.maximum(dt_s, HOLD_STEP * still_s))
+    counting = np.flatnonzero(measurement.counts)
+    new = np.diff(np.floor(passed[counting] + 1e-9), prepend=-1) > 0
+    counts = np.zeros_like(measurement.counts)
+    counts[counting[new]] = True
+    return replace(measurement, counts=counts)
+
+
+def independent_share(measurement: Measurement) -> float:
+    """Independent samples per sample of the grid: a finer grid adds samples, not knowledge."""
+    return min(measurement.dt_s / constants.ALIKE_S, 1.0)

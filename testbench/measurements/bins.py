@@ -1,0 +1,55 @@
+"""Readings averaged onto a uniform grid."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.knit.effect import FloatArray
+
+
+class Bins:
+    """Means of the samples around each grid point, moved from their mean time to the grid point.
+
+    Where samples are rarer than the grid, neighbours are interpolated.
+
+    Parameters
+    ----------
+    time_s : ndarray, shape (samples,)
+        From zero.
+    rate_hz : float
+        Of the grid.
+    """
+
+    def __init__(self, time_s: FloatArray, rate_hz: float) -> None:
+        self._time_s = time_s
+        # A sample on the last edge, but for rounding, has a bin of its own.
+        count = int(time_s[-1] * rate_hz + 1e-6)
+        self._bin = np.minimum((time_s * rate_hz).astype(np.int64), count - 1)
+        self._filled = np.bincount(self._bin, minlength=count)
+        # Averages are only worth it where nearly every bin has a sample of its own.
+        self._average = bool(np.mean(self._filled == 0) < 0.2 and len(time_s) > 1.5 * count)
+        self.grid_s = (np.arange(count) + (0.5 if self._average else 0.0)) / rate_hz
+        self._off_s = self._means(time_s) - self.grid_s if self._average else np.zeros(count)
+
+    @property
+    def is_read(self) -> np.ndarray:
+        """Whether a sample lies within a step of each grid point: what was interpolated over a gap is no reading."""
+        after = np.searchsorted(self._time_s, self.grid_s).clip(1, len(self._time_s) - 1)
+        off_s = np.abs(self._time_s[[after - 1, after]] - self.grid_s).min(axis=0)
+        return np.asarray(off_s <= self.grid_s[1] - self.grid_s[0])
+
+    @property
+    def averaged(self) -> float:
+        """Samples whose mean is as noisy as a grid point: the harmonic mean over the bins."""
+        return 1 / float(np.mean(1 / np.maximum(self._filled, 1))) if self._average else 1.0
+
+    def __call__(self, values: FloatArray) -> FloatArray:
+        if not self._average:
+            return np.interp(self.grid_s, self._time_s, values)
+        means = self._means(values)
+        return means - self._off_s * np.gradient(means, self.grid_s)
+
+    def _means(self, values: FloatArray) -> FloatArray:
+        sums = np.bincount(self._bin, weights=values, minlength=len(self.grid_s))
+        gaps = np.interp(self.grid_s, self._time_s, values)
+        return np.where(self._filled > 0, sums / np.maximum(self._filled, 1), gaps)

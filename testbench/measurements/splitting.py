@@ -1,0 +1,106 @@
+"""What is calibrated on, and what is held out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from gcode.support.errors import UserError
+from testbench.measurements.measurement import Measurement, ended
+from testbench.measurements.preparing import MIN_STRAIN_RANGE, prepare
+from testbench.recordings.recording import Recording
+
+MOST_PLAY = 0.1  # of the gauge length: more is another set-up
+MIN_PART = 170  # samples that count in each part; the evidence is weighed in 40 blocks of every fourth sample
+
+
+def split(
+    recording: Recording, held_out: Recording | None = None, held_share: float = 1 / 3, clamp_play_mm: float = 0.0
+) -> tuple[Measurement, Measurement]:
+    """Calibration and held-out measurements; without `held_out`, the last third of the recording.
+
+    Parameters
+    ----------
+    recording, held_out : Recording
+    held_share : float
+    clamp_play_mm : float
+        See `Measurement`; of the held-out recording.
+
+    Raises
+    ------
+    UserError
+        If the two were taken at different gauge lengths or share no channel, or one recording is too short or too
+        still in a part of it; if there is play without a held-out recording, or more than a set-up has.
+    """
+    check_play(recording, clamp_play_mm)
+    if clamp_play_mm and held_out is None:
+        raise UserError(
+            f"{recording.source}: clamp play is that of a held-out recording, and none was given; "
+            "the last third of one recording was not clamped anew"
+        )
+    if held_out is None:
+        cut_s = recording.duration_s * (1 - held_share)
+        parts = prepare(recording, (0.0, cut_s)), prepare(recording, (cut_s, np.inf))
+        _check_parts(*parts, cut_s)
+        return ended(parts[0]), parts[1]
+    check_gauge_length(held_out, recording)
+    calibration = prepare(recording)
+    held = prepare(held_out, rate_hz=1.0 / calibration.dt_s)
+    if set(calibration.channels) != set(held.channels):
+        raise UserError(
+            f"{held_out.source}: measured {', '.join(held.channels)}, but {recording.source} measured "
+            f"{', '.join(calibration.channels)}; both need the same channels"
+        )
+    return calibration, replace(held, clamp_play_mm=clamp_play_mm)
+
+
+def check_gauge_length(one: Recording, other: Recording) -> None:
+    """Refuse two recordings that were not taken at the same gauge length.
+
+    Raises
+    ------
+    UserError
+    """
+    if abs(one.gauge_length_mm - other.gauge_length_mm) > 1e-3 * other.gauge_length_mm:
+        raise UserError(
+            f"{one.source}: gauge length {one.gauge_length_mm:g} mm, but {other.source} has "
+            f"{other.gauge_length_mm:g} mm; give recordings of the same set-up"
+        )
+
+
+def check_play(recording: Recording, clamp_play_mm: float) -> None:
+    """Refuse a play that no clamp has.
+
+    Raises
+    ------
+    UserError
+    """
+    most_mm = MOST_PLAY * recording.gauge_length_mm
+    if not isinstance(clamp_play_mm, int | float) or not 0 <= clamp_play_mm <= most_mm:
+        raise UserError(
+            f"clamp play: must be from 0 to {most_mm:g} mm ({MOST_PLAY:.0%} of the gauge length), "
+            f"got {clamp_play_mm!r}"
+        )
+
+
+def _check_parts(calibration: Measurement, held: Measurement, cut_s: float) -> None:
+    source = calibration.recording.source
+    fewest = min(int(part.counts.sum()) for part in (calibration, held))
+    if fewest < MIN_PART:
+        raise UserError(
+            f"{source}: too short to fit on one part and judge on the rest: {fewest} samples in the shorter part, "
+            f"at least {MIN_PART} are needed; record longer, or give another recording with --held-out"
+        )
+    seen = calibration.signals["strain"][calibration.seen]
+    if np.ptp(seen) < MIN_STRAIN_RANGE:
+        raise UserError(
+            f"{source}: too still to identify anything: the strain moves by {np.ptp(seen):.2%} in the first "
+            f"{cut_s:.0f} s, on which the model is fitted; give a recording that moves, and this one as --held-out"
+        )
+    for channel, values in calibration.measured.items():
+        if np.ptp(values[calibration.counts]) == 0:
+            raise UserError(
+                f"{source}: {channel} is constant in the first {cut_s:.0f} s, on which the model is fitted; "
+                "check the wiring or leave it out"
+            )
