@@ -23,8 +23,8 @@ from joblib import Parallel, delayed, parallel_config
 from testbench.campaigns.datasets.dataset import make, run, write_index
 from testbench.campaigns.datasets.spec import DatasetSpec, TrajectoryWish
 from testbench.campaigns.datasets.tasks import Task, tasks_of
-from testbench.rig.played import played
-from testbench.rig.simulated import Motion
+from testbench.rig.simulation.played import played
+from testbench.rig.simulation.simulated import Motion
 
 PARTS = 4
 MEMORY_LIMIT = "1GB"

@@ -36,9 +36,9 @@ from testbench.knit.catalogue import load_catalogue
 from testbench.recordings.files import write_recording_csv
 from testbench.recordings.manifest import Campaign, write_manifest
 from testbench.recordings.versions import software_versions
-from testbench.rig.past import past_displacement
-from testbench.rig.played import played
-from testbench.rig.recorder import Limits
+from testbench.rig.acquisition.recorder import Limits
+from testbench.rig.simulation.past import past_displacement
+from testbench.rig.simulation.played import played
 from testbench.worlds.sensor import HiddenSensor
 
 Row = dict[str, Any]

@@ -22,8 +22,8 @@ from testbench.importing.wish import Wish
 from testbench.knit.presets import preset
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems
-from testbench.rig.played import played
-from testbench.rig.stream import Intake
+from testbench.rig.protocol.stream import Intake
+from testbench.rig.simulation.played import played
 
 
 def seconds(work: Callable[[], object], times: int = 3) -> float:

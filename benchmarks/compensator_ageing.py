@@ -14,7 +14,7 @@ from testbench.campaigns.clearing import vacant
 from testbench.knit.presets import preset
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
-from testbench.rig.played import played
+from testbench.rig.simulation.played import played
 
 TRAJECTORIES = ("paper-1", "paper-2", "paper-3")
 FIRST_SEED = 500

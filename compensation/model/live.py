@@ -14,8 +14,8 @@ from compensation.series.preprocessing import TARGETS
 from gcode.support import disk
 from gcode.support.errors import UserError
 from testbench.campaigns.campaign import COMPENSATED
-from testbench.rig.file_lines import seconds
-from testbench.rig.stream import Row
+from testbench.rig.protocol.file_lines import seconds
+from testbench.rig.protocol.items import Row
 
 
 class LiveCompensator:

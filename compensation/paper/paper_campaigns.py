@@ -46,7 +46,7 @@ def campaigns(
     from testbench.campaigns.clearing import vacant
     from testbench.knit.presets import preset
     from testbench.recordings.files import read_recording
-    from testbench.rig.played import played
+    from testbench.rig.simulation.played import played
 
     found: dict[str, Recording] = {}
     past: tuple[Path, ...] = ()

@@ -18,7 +18,7 @@ from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT
 from testbench.recordings.recording import Recording
-from testbench.rig.simulated import Motion
+from testbench.rig.simulation.simulated import Motion
 
 PLANNED = "displacement_planned_mm"
 ALIGNED_HZ = 50.0

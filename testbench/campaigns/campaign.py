@@ -17,12 +17,12 @@ from testbench.recordings.files import write_recording_csv
 from testbench.recordings.manifest import CSV, Campaign, read_manifest, write_manifest
 from testbench.recordings.recording import Recording
 from testbench.recordings.versions import software_versions
-from testbench.rig.at_once import at_once
-from testbench.rig.parts import Part, in_memory
-from testbench.rig.recorder import DISK_STATES, Recorder, Report, Status, counts
-from testbench.rig.simulated import Motion
-from testbench.rig.sink import BAD, EVENTS, Sink
-from testbench.rig.stream import Intake
+from testbench.rig.acquisition.recorder import DISK_STATES, Recorder, Report, Status, counts
+from testbench.rig.acquisition.sink import BAD, EVENTS, Sink
+from testbench.rig.connection.parts import Part, in_memory
+from testbench.rig.protocol.stream import Intake
+from testbench.rig.simulation.at_once import at_once
+from testbench.rig.simulation.simulated import Motion
 
 COMPENSATED = "compensated.csv"  # what a compensator made of it while it was recorded
 
@@ -74,7 +74,7 @@ def simulate_live(
     Parameters
     ----------
     pace : callable
-        Makes a link of the rig's lines, for instance `testbench.rig.links.real_time`.
+        Makes a link of the rig's lines, for instance `testbench.rig.connection.links.real_time`.
     stopped : callable
         Whether to end early.
     """

@@ -10,7 +10,7 @@ from testbench.campaigns.campaign import COMPENSATED
 from testbench.campaigns.plan import EFFECTS, PROGRAM
 from testbench.recordings import manifest
 from testbench.recordings.manifest import CSV, origin_of
-from testbench.rig.sink import BAD, EVENTS, ROOM
+from testbench.rig.acquisition.sink import BAD, EVENTS, ROOM
 
 _ALL_NAMES = "|".join(
     [*map(re.escape, (manifest.NAME, CSV, PROGRAM, EVENTS, BAD, COMPENSATED, EFFECTS)), r"before-\d+\.tap"]

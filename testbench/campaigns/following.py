@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Protocol
 
 from gcode.support.errors import UserError
-from testbench.rig.stream import Row
+from testbench.rig.protocol.items import Row
 
 GROUP, NAME = "knitbench.live", "compensator"
 

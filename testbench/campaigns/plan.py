@@ -15,9 +15,9 @@ from testbench.recordings import manifest
 from testbench.recordings.files import check_beside
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.manifest import read_manifest
-from testbench.rig.past import DEFAULT_REST_S, past_displacement
-from testbench.rig.played import played
-from testbench.rig.simulated import SIMULATED_HZ, Motion, SimulatedRig
+from testbench.rig.simulation.past import DEFAULT_REST_S, past_displacement
+from testbench.rig.simulation.played import played
+from testbench.rig.simulation.simulated import SIMULATED_HZ, Motion, SimulatedRig
 from testbench.trust import named_effects
 
 PROGRAM, EFFECTS = "program.tap", "effects.py"

@@ -15,17 +15,18 @@ from testbench.campaigns.campaign import campaign_files, finish
 from testbench.campaigns.plan import PROGRAM
 from testbench.recordings.manifest import CSV, IN_PROGRESS, NAME, Campaign, read_manifest, write_manifest
 from testbench.recordings.versions import software_versions
-from testbench.rig.ending import EndOfMotion
-from testbench.rig.held import held
-from testbench.rig.parts import Part
-from testbench.rig.played import played
-from testbench.rig.ports import remembered_port, stated_port
-from testbench.rig.recorder import PROGRESS_S, Follow, Limits, Recorder, Report, Status
-from testbench.rig.resume import continued, mend, watched
-from testbench.rig.serial_port import host_clock_s
-from testbench.rig.simulated import Motion
-from testbench.rig.sink import EVENTS, ROOM_BYTES, Sink, Syncer
-from testbench.rig.stream import Event, Intake
+from testbench.rig.acquisition.ending import EndOfMotion
+from testbench.rig.acquisition.held import held
+from testbench.rig.acquisition.recorder import PROGRESS_S, Follow, Limits, Recorder, Report, Status
+from testbench.rig.acquisition.resume import continued, mend, watched
+from testbench.rig.acquisition.sink import EVENTS, ROOM_BYTES, Sink, Syncer
+from testbench.rig.connection.parts import Part
+from testbench.rig.connection.ports import remembered_port, stated_port
+from testbench.rig.connection.serial_port import host_clock_s
+from testbench.rig.protocol.items import Event
+from testbench.rig.protocol.stream import Intake
+from testbench.rig.simulation.played import played
+from testbench.rig.simulation.simulated import Motion
 
 
 @dataclass(frozen=True)
@@ -146,7 +147,7 @@ def record(
 ) -> Status:
     """Record what `link` delivers into `folder`, which `begin` has made, and write its manifest.
 
-    `follow` sees each row as it is accepted; see `testbench.rig.recorder.Recorder`.
+    `follow` sees each row as it is accepted; see `testbench.rig.acquisition.recorder.Recorder`.
 
     Returns
     -------

@@ -11,7 +11,7 @@ from testbench.campaigns.campaign import campaign_files, simulate_campaign
 from testbench.campaigns.plan import plan_of
 from testbench.recordings import manifest
 from testbench.recordings.versions import changes_since
-from testbench.rig.played import played
+from testbench.rig.simulation.played import played
 
 
 @dataclass(frozen=True)

@@ -67,8 +67,8 @@ def run(args: argparse.Namespace) -> int:
     from testbench.api.experiments.investigating import investigate
     from testbench.api.progress import clear_line
     from testbench.investigating.words import ending_words
-    from testbench.rig.status_words import terminal
-    from testbench.rig.stopping import stop_signals
+    from testbench.rig.acquisition.status_words import terminal
+    from testbench.rig.acquisition.stopping import stop_signals
 
     check_place(args.json, "--json")
     _check_resumed(args)

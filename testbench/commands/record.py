@@ -49,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
     from gcode.support.errors import UserError
     from testbench.api.bench.capturing import record, resume_recording
     from testbench.campaigns.record import check_as_begun
-    from testbench.rig.status_words import json_lines, terminal
+    from testbench.rig.acquisition.status_words import json_lines, terminal
 
     said = {name: getattr(args, name) for name in AS_BEGUN if getattr(args, name) is not None}
     report = json_lines() if args.progress_json else terminal(f"record {Path(args.campaign).name}")

@@ -24,7 +24,7 @@ def run(args: argparse.Namespace) -> int:
 
     from gcode.support.files import existing_file
     from testbench.api.bench.serving import serve_rig
-    from testbench.rig.stopping import end_as_ctrl_c, what_ends_it
+    from testbench.rig.acquisition.stopping import end_as_ctrl_c, what_ends_it
 
     def announce(port: str) -> None:
         end_as_ctrl_c()  # the link must not stay behind

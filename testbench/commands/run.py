@@ -34,7 +34,7 @@ def run(args: argparse.Namespace) -> int:
 
     from gcode.support.files import existing_file
     from testbench.api.bench.running import run as run_campaign
-    from testbench.rig.status_words import json_lines, terminal
+    from testbench.rig.acquisition.status_words import json_lines, terminal
 
     program = existing_file(args.program, "program; make one with `gcode generate`")
     done = run_campaign(

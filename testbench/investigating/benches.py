@@ -19,11 +19,11 @@ from testbench.knit.model import KnitModel
 from testbench.recordings import manifest
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.manifest import read_manifest
-from testbench.rig.links import paced
-from testbench.rig.played import played
-from testbench.rig.pty_port import PtyPort, serve
-from testbench.rig.recorder import Limits, Status
-from testbench.rig.serial_port import SerialLink
+from testbench.rig.acquisition.recorder import Limits, Status
+from testbench.rig.connection.links import paced
+from testbench.rig.connection.serial_port import SerialLink
+from testbench.rig.simulation.played import played
+from testbench.rig.simulation.pty_port import PtyPort, serve
 
 PATIENCE_S = 5.0  # for the rig to notice that nobody listens any more
 

@@ -34,7 +34,7 @@ from testbench.knit.model import KnitModel
 from testbench.measurements.joining import joined
 from testbench.measurements.measurement import Measurement
 from testbench.recordings.files import read_recording
-from testbench.rig.recorder import Status
+from testbench.rig.acquisition.recorder import Status
 
 RANDOM = "random motion (Perlin noise)"
 Tell = Callable[[str], None]

@@ -9,7 +9,7 @@ import threading
 from gcode.support.colours import BLUE
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder
-from testbench.rig.stopping import what_ends_it
+from testbench.rig.acquisition.stopping import what_ends_it
 from testbench.studio.studio import KEY_RECORDING, RESULTS_URL, Studio
 from testbench.studio.workspace import RESULTS
 

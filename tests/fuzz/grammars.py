@@ -8,7 +8,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from testbench.rig.wire import Sample, encode
+from testbench.rig.protocol.wire import Sample, encode
 
 NASTY: tuple[Any, ...] = (
     None, True, 0, -1, 1, 5, 1.5, -0.0, 1e300, -1e300, 5e-324, 2**31, 2**63, 2**64, 10**30, "", " ", "0", "nan", "-1",

@@ -46,10 +46,10 @@ from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import NAME, problems, sealed
 from testbench.results.model_file import ModelFile, load_model_file
 from testbench.results.result_files import read_diagnosis, read_experiment, read_score
-from testbench.rig.parts import Chunk, End
-from testbench.rig.recorder import Limits as Alarms
-from testbench.rig.resume import continued, mend
-from testbench.rig.stream import Intake
+from testbench.rig.acquisition.recorder import Limits as Alarms
+from testbench.rig.acquisition.resume import continued, mend
+from testbench.rig.connection.parts import Chunk, End
+from testbench.rig.protocol.stream import Intake
 from tests.fuzz import grammars
 from tests.testbench.builders import record as record_of
 from tests.testbench.builders import truth

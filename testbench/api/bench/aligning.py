@@ -20,7 +20,7 @@ from testbench.campaigns.plan import PROGRAM
 from testbench.recordings.channels import DISPLACEMENT
 from testbench.recordings.recording import Recording
 from testbench.report import style
-from testbench.rig.played import played
+from testbench.rig.simulation.played import played
 
 if TYPE_CHECKING:
     import pandas as pd

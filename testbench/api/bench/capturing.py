@@ -15,12 +15,12 @@ from testbench.campaigns.clearing import vacant
 from testbench.campaigns.following import live_compensator
 from testbench.campaigns.record import Job, job_of
 from testbench.recordings.files import check_beside
-from testbench.rig.played import played
-from testbench.rig.ports import stated_port
-from testbench.rig.recorder import Limits, Report, Status
-from testbench.rig.serial_port import SerialLink
-from testbench.rig.status_words import as_dict, as_text
-from testbench.rig.stopping import stop_signals
+from testbench.rig.acquisition.recorder import Limits, Report, Status
+from testbench.rig.acquisition.status_words import as_dict, as_text
+from testbench.rig.acquisition.stopping import stop_signals
+from testbench.rig.connection.ports import stated_port
+from testbench.rig.connection.serial_port import SerialLink
+from testbench.rig.simulation.played import played
 
 BAUD = 115200
 GIVE_UP_S = 60.0
@@ -88,7 +88,7 @@ def record(
     compensator : path, optional
         Follow the recording with this trained compensator; what it says is kept in ``compensated.csv``.
     report : callable
-        Called with a `testbench.rig.recorder.Status` while it records and at the end.
+        Called with a `testbench.rig.acquisition.recorder.Status` while it records and at the end.
     stopped : callable, optional
         Asked whether to end early. Default: Ctrl-C (SIGINT, SIGTERM, SIGHUP) ends the recording well.
 

@@ -22,12 +22,12 @@ from testbench.knit.model import KnitModel
 from testbench.recordings.files import check_beside, read_recording
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.recording import Recording
-from testbench.rig.links import real_time as at_the_machines_pace
-from testbench.rig.past import DEFAULT_REST_S
-from testbench.rig.played import played
-from testbench.rig.recorder import Report, Status
-from testbench.rig.simulated import Motion
-from testbench.rig.stopping import stop_signals
+from testbench.rig.acquisition.recorder import Report, Status
+from testbench.rig.acquisition.stopping import stop_signals
+from testbench.rig.connection.links import real_time as at_the_machines_pace
+from testbench.rig.simulation.past import DEFAULT_REST_S
+from testbench.rig.simulation.played import played
+from testbench.rig.simulation.simulated import Motion
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -148,7 +148,7 @@ def run(
     real_time : bool
         Take as long as the machine would; the files can be read while they grow, and Ctrl-C ends the recording well.
     report : callable
-        Called with a `testbench.rig.recorder.Status` while it runs and at the end.
+        Called with a `testbench.rig.acquisition.recorder.Status` while it runs and at the end.
 
     Returns
     -------

@@ -11,10 +11,10 @@ from gcode.programs.make import Made
 from gcode.support.errors import UserError
 from testbench.api.arguments import AnyModel, catalogue_of, model_file_of
 from testbench.api.bench.running import planned, program_file
-from testbench.rig.faults import faulty
-from testbench.rig.links import paced
-from testbench.rig.past import DEFAULT_REST_S
-from testbench.rig.pty_port import PtyPort, serve
+from testbench.rig.connection.links import paced
+from testbench.rig.simulation.faults import faulty
+from testbench.rig.simulation.past import DEFAULT_REST_S
+from testbench.rig.simulation.pty_port import PtyPort, serve
 
 
 def serve_rig(

@@ -20,8 +20,8 @@ from testbench.investigating.benches import Bench, PortBench, PtyBench, Simulate
 from testbench.investigating.state import Investigation, Settings, go_on, load_investigation, run_folder
 from testbench.investigating.words import run_words
 from testbench.knit.catalogue import Catalogue
-from testbench.rig.ports import stated_port
-from testbench.rig.recorder import Limits, Status
+from testbench.rig.acquisition.recorder import Limits, Status
+from testbench.rig.connection.ports import stated_port
 
 SENSOR = "sensor.json"  # the simulated sensor, kept in the folder: who continues need not name it again
 

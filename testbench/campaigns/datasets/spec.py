@@ -11,7 +11,7 @@ from pydantic import Field, ValidationError, model_validator
 from gcode.support.errors import UserError, first_problem
 from gcode.support.strict import StrictModel, read_toml
 from testbench.recordings.instruments import Instruments
-from testbench.rig.past import DEFAULT_REST_S
+from testbench.rig.simulation.past import DEFAULT_REST_S
 
 MOST_CAMPAIGNS = 1_000_000
 Seed = Annotated[int, Field(ge=0, lt=1 << 63)]

@@ -21,9 +21,9 @@ from testbench.knit.model import KnitModel
 from testbench.knit.presets import preset
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.stored import read_model
-from testbench.rig.past import DEFAULT_REST_S
-from testbench.rig.played import played
-from testbench.rig.simulated import Motion
+from testbench.rig.simulation.past import DEFAULT_REST_S
+from testbench.rig.simulation.played import played
+from testbench.rig.simulation.simulated import Motion
 from testbench.trust import named_effects
 
 PROGRAMS = "programs"

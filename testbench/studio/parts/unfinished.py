@@ -10,7 +10,7 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from testbench.recordings.manifest import IN_PROGRESS, read_manifest
-from testbench.rig.ports import remembered_port
+from testbench.rig.connection.ports import remembered_port
 from testbench.studio.jobs.job import Job
 from testbench.studio.parts.widgets import attempt, way_on
 from testbench.studio.studio import KEY_RECORDING, KEY_RIG, Studio

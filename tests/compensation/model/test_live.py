@@ -21,12 +21,12 @@ from testbench.campaigns.following import live_compensator
 from testbench.campaigns.record import Job, begin, record
 from testbench.commands import record as command
 from testbench.recordings.manifest import problems
-from testbench.rig.parts import Chunk, End
-from testbench.rig.recorder import Limits, Recorder
-from testbench.rig.sink import Sink
-from testbench.rig.status_words import as_text
-from testbench.rig.stream import Intake
-from testbench.rig.wire import Sample, encode
+from testbench.rig.acquisition.recorder import Limits, Recorder
+from testbench.rig.acquisition.sink import Sink
+from testbench.rig.acquisition.status_words import as_text
+from testbench.rig.connection.parts import Chunk, End
+from testbench.rig.protocol.stream import Intake
+from testbench.rig.protocol.wire import Sample, encode
 from tests.testbench.rig.rigs import program
 
 

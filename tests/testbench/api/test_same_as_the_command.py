@@ -16,10 +16,10 @@ from gcode.support.files import write_json
 from testbench.campaigns.plan import Plan
 from testbench.cli import main
 from testbench.fitting import constants
-from testbench.rig.links import paced
-from testbench.rig.played import played
-from testbench.rig.pty_port import PtyPort, serve
-from testbench.rig.serial_port import open_port
+from testbench.rig.connection.links import paced
+from testbench.rig.connection.serial_port import open_port
+from testbench.rig.simulation.played import played
+from testbench.rig.simulation.pty_port import PtyPort, serve
 from tests.testbench.api.samples import diagnosed, fitted, relaxed
 from tests.testbench.builders import write_csv
 
@@ -250,7 +250,7 @@ def served_rig(program, monkeypatch):
     worker = threading.Thread(target=lambda: serve(port, spoken()))
     worker.start()
     with monkeypatch.context() as patched:
-        patched.setattr("testbench.rig.serial_port.open_port", open_and_tell)
+        patched.setattr("testbench.rig.connection.serial_port.open_port", open_and_tell)
         yield port.name
     worker.join(60)
     port.close()

@@ -15,8 +15,8 @@ from testbench.campaigns.alignment import PLANNED, align, applied, best_lag
 from testbench.campaigns.campaign import simulate_campaign
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
-from testbench.rig.played import played
-from testbench.rig.simulated import SIMULATED_HZ, Motion
+from testbench.rig.simulation.played import played
+from testbench.rig.simulation.simulated import SIMULATED_HZ, Motion
 from tests.testbench.rig.rigs import plan
 
 

@@ -23,9 +23,9 @@ from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems, read_manifest, write_manifest
 from testbench.recordings.versions import software_versions
 from testbench.results.model_file import ModelFile, load_model_file
-from testbench.rig.past import past_displacement
-from testbench.rig.played import played
-from testbench.rig.simulated import SIMULATED_HZ, SimulatedRig
+from testbench.rig.simulation.past import past_displacement
+from testbench.rig.simulation.played import played
+from testbench.rig.simulation.simulated import SIMULATED_HZ, SimulatedRig
 from tests.testbench.rig.rigs import plan, program, triangle
 
 

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from testbench.cli import main
-from testbench.rig.pty_port import PtyPort
-from testbench.rig.wire import MICROS_WRAP, Sample, encode
+from testbench.rig.protocol.wire import MICROS_WRAP, Sample, encode
+from testbench.rig.simulation.pty_port import PtyPort
 
 MAIN = "import sys; from testbench.cli import main; sys.exit(main())"
 CHILDREN: list[subprocess.Popen] = []

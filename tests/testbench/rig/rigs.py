@@ -8,7 +8,7 @@ import numpy as np
 
 from testbench.campaigns.plan import Plan
 from testbench.knit.catalogue import baseline
-from testbench.rig.simulated import SIMULATED_HZ, Motion, SimulatedRig
+from testbench.rig.simulation.simulated import SIMULATED_HZ, Motion, SimulatedRig
 
 PROGRAM_TEXT = """(TWO TRIANGLES)
 G90

@@ -9,12 +9,12 @@ import pytest
 
 from testbench.knit.catalogue import baseline
 from testbench.recordings.instruments import Instruments, Room, SampleClock
-from testbench.rig.at_once import at_once, is_plain
-from testbench.rig.parts import Accepted, Chunk, in_memory
-from testbench.rig.recorder import Recorder
-from testbench.rig.simulated import SimulatedRig
-from testbench.rig.sink import Sink
-from testbench.rig.stream import Intake
+from testbench.rig.acquisition.recorder import Recorder
+from testbench.rig.acquisition.sink import Sink
+from testbench.rig.connection.parts import Accepted, Chunk, in_memory
+from testbench.rig.protocol.stream import Intake
+from testbench.rig.simulation.at_once import at_once, is_plain
+from testbench.rig.simulation.simulated import SimulatedRig
 from tests.testbench.rig.rigs import triangle
 
 NO_RESISTANCE = baseline().without("drift").without("contact")

@@ -10,12 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.random import default_rng
 
-from testbench.rig.parts import Chunk, End, Tick
-from testbench.rig.recorder import Recorder
-from testbench.rig.sink import Sink
-from testbench.rig.stream import Anchor, Intake, Row, channels_of
-from testbench.rig.watchdog import Watchdog
-from testbench.rig.wire import MICROS_WRAP, SEQUENCE_WRAP, Sample, encode
+from testbench.rig.acquisition.recorder import Recorder
+from testbench.rig.acquisition.sink import Sink
+from testbench.rig.acquisition.watchdog import Watchdog
+from testbench.rig.connection.parts import Chunk, End, Tick
+from testbench.rig.protocol.items import Row, channels_of
+from testbench.rig.protocol.stream import Anchor, Intake
+from testbench.rig.protocol.wire import MICROS_WRAP, SEQUENCE_WRAP, Sample, encode
 from tests.testbench.rig import test_stream
 from tests.testbench.rig.test_stream import STEP_US, events, fed, reasons, rows
 

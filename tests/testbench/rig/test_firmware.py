@@ -9,8 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from testbench.rig.stream import Intake, Row
-from testbench.rig.wire import MICROS_WRAP, Sample, encode
+from testbench.rig.protocol.items import Row
+from testbench.rig.protocol.stream import Intake
+from testbench.rig.protocol.wire import MICROS_WRAP, Sample, encode
 from tests.testbench.rig.devices import PATIENCE_S
 
 HERE = Path(__file__).parent / "arduino"

@@ -22,10 +22,10 @@ import pytest
 from testbench.campaigns.record import Job, begin, record
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems
-from testbench.rig.parts import Chunk, End, Part
-from testbench.rig.recorder import Limits
-from testbench.rig.sink import ROOM_BYTES
-from testbench.rig.status_words import terminal
+from testbench.rig.acquisition.recorder import Limits
+from testbench.rig.acquisition.sink import ROOM_BYTES
+from testbench.rig.acquisition.status_words import terminal
+from testbench.rig.connection.parts import Chunk, End, Part
 from tests.testbench.rig.rigs import PROGRAM_TEXT
 from tests.testbench.rig.test_recorder import bench_lines
 

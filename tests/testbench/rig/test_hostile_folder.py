@@ -16,9 +16,9 @@ from testbench.campaigns.record import Job, begin, check_as_begun, job_of
 from testbench.knit.catalogue import baseline
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems, read_manifest, sealed
-from testbench.rig.played import played
-from testbench.rig.ports import stated_port
-from testbench.rig.recorder import Limits
+from testbench.rig.acquisition.recorder import Limits
+from testbench.rig.connection.ports import stated_port
+from testbench.rig.simulation.played import played
 from testbench.trust import is_trusted, trust
 from tests.testbench.rig.rigs import plan, program
 

@@ -15,10 +15,11 @@ from gcode.support.errors import UserError
 from testbench.campaigns.record import Job, begin, record
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems
-from testbench.rig.file_lines import csv_line
-from testbench.rig.parts import Chunk, End
-from testbench.rig.recorder import Limits
-from testbench.rig.stream import Intake, Row
+from testbench.rig.acquisition.recorder import Limits
+from testbench.rig.connection.parts import Chunk, End
+from testbench.rig.protocol.file_lines import csv_line
+from testbench.rig.protocol.items import Row
+from testbench.rig.protocol.stream import Intake
 from tests.testbench.rig.rigs import program, rig
 
 LINES = list(rig(duration_s=4.0).lines())[:60]

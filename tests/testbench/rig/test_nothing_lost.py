@@ -19,14 +19,15 @@ from testbench.campaigns.record import Job, begin, record
 from testbench.knit.catalogue import baseline
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems
-from testbench.rig.faults import faulty
-from testbench.rig.file_lines import csv_line
-from testbench.rig.pty_port import PtyPort
-from testbench.rig.recorder import Limits
-from testbench.rig.serial_port import SerialLink
-from testbench.rig.sink import Sink
-from testbench.rig.stream import Intake, Row
-from testbench.rig.wire import MICROS_WRAP
+from testbench.rig.acquisition.recorder import Limits
+from testbench.rig.acquisition.sink import Sink
+from testbench.rig.connection.serial_port import SerialLink
+from testbench.rig.protocol.file_lines import csv_line
+from testbench.rig.protocol.items import Row
+from testbench.rig.protocol.stream import Intake
+from testbench.rig.protocol.wire import MICROS_WRAP
+from testbench.rig.simulation.faults import faulty
+from testbench.rig.simulation.pty_port import PtyPort
 from tests.testbench.rig.devices import PATIENCE_S, Device, Witness, command, forked_recorder, recorder, until
 from tests.testbench.rig.rigs import program, rig
 

@@ -15,16 +15,16 @@ from testbench.campaigns.record import Job, begin, job_of, record
 from testbench.knit.catalogue import baseline
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import read_manifest
-from testbench.rig.appender import Appender
-from testbench.rig.ending import EndOfMotion
-from testbench.rig.parts import Chunk, End, Lost, Tick, in_memory
-from testbench.rig.played import played
-from testbench.rig.recorder import Limits, Recorder
-from testbench.rig.resume import mend
-from testbench.rig.simulated import SIMULATED_HZ, Motion, SimulatedRig
-from testbench.rig.sink import Sink
-from testbench.rig.stream import Intake
-from testbench.rig.wire import decode, encode
+from testbench.rig.acquisition.appender import Appender
+from testbench.rig.acquisition.ending import EndOfMotion
+from testbench.rig.acquisition.recorder import Limits, Recorder
+from testbench.rig.acquisition.resume import mend
+from testbench.rig.acquisition.sink import Sink
+from testbench.rig.connection.parts import Chunk, End, Lost, Tick, in_memory
+from testbench.rig.protocol.stream import Intake
+from testbench.rig.protocol.wire import decode, encode
+from testbench.rig.simulation.played import played
+from testbench.rig.simulation.simulated import SIMULATED_HZ, Motion, SimulatedRig
 from tests.testbench.rig.rigs import program, rig
 
 
@@ -217,7 +217,7 @@ class Stingy(Appender):
 
 @pytest.fixture
 def stingy(monkeypatch):
-    monkeypatch.setattr("testbench.rig.sink.Appender", Stingy)
+    monkeypatch.setattr("testbench.rig.acquisition.sink.Appender", Stingy)
     Stingy.room = 3000
     return Stingy
 

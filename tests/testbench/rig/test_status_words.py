@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import io
 
-from testbench.rig.recorder import Status
-from testbench.rig.status_words import terminal
+from testbench.rig.acquisition.recorder import Status
+from testbench.rig.acquisition.status_words import terminal
 
 
 class Screen(io.StringIO):

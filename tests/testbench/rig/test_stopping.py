@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from testbench.rig.stopping import stop_signals
+from testbench.rig.acquisition.stopping import stop_signals
 from tests.testbench.rig.devices import MAIN, PATIENCE_S
 from tests.testbench.rig.rigs import program
 

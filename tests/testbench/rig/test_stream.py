@@ -9,9 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.random import default_rng
 
-from testbench.rig.faults import faulty
-from testbench.rig.stream import Anchor, Bad, Event, Intake, Row, channels_of
-from testbench.rig.wire import MICROS_WRAP, Sample, encode
+from testbench.rig.protocol.items import Bad, Event, Row, channels_of
+from testbench.rig.protocol.stream import Anchor, Intake
+from testbench.rig.protocol.wire import MICROS_WRAP, Sample, encode
+from testbench.rig.simulation.faults import faulty
 
 STEP_US = 24_000
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from testbench.rig.wire import BadLine, LineBuffer, Sample, decode, encode, rescue
+from testbench.rig.protocol.wire import BadLine, LineBuffer, Sample, decode, encode, rescue
 
 U32 = st.integers(0, 2**32 - 1)
 I31 = st.integers(-(2**31), 2**31 - 1)

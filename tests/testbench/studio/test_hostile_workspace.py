@@ -14,7 +14,7 @@ from testbench.campaigns.campaign import simulate_campaign
 from testbench.campaigns.record import Job as JobOfARecording
 from testbench.campaigns.record import begin
 from testbench.cli import main
-from testbench.rig.recorder import Limits
+from testbench.rig.acquisition.recorder import Limits
 from testbench.studio.jobs.job import Job
 from testbench.studio.models import diagnosis_path, keep_diagnosis, step_diagnosis
 from testbench.studio.pages.campaign_card import looked_at

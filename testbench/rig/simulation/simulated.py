@@ -14,7 +14,7 @@ from gcode.support.errors import UserError
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, inputs
 from testbench.recordings.instruments import Instruments, Truth
-from testbench.rig.wire import MICROS_WRAP, Sample, encode
+from testbench.rig.protocol.wire import MICROS_WRAP, Sample, encode
 
 SIMULATED_HZ = 200.0
 # A line of integers has no infinity: an open circuit reads as 1 TOhm.
@@ -97,7 +97,7 @@ class SimulatedRig:
     instruments : Instruments
     past_mm : ndarray, shape (m,)
         The stage's displacement before the motion, on the motion's grid; empty: the sensor has never been stretched.
-        See `testbench.rig.past`.
+        See `testbench.rig.simulation.past`.
     """
 
     model: KnitModel

@@ -15,7 +15,7 @@ from gcode.support.errors import UserError
 def held(folder: Path) -> Iterator[None]:
     """Hold `folder` for this process alone, however the process ends.
 
-    On a file system that cannot lock a folder the lock on ``recording.csv`` (`testbench.rig.appender`) must do.
+    On a file system that cannot lock a folder the lock on ``recording.csv`` (`acquisition/appender.py`) must do.
 
     Raises
     ------

@@ -5,8 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator
 
-from testbench.rig.parts import Chunk, End, Part
-from testbench.rig.wire import MICROS_WRAP, decode
+from testbench.rig.connection.parts import Chunk, End, Part
+from testbench.rig.protocol.wire import MICROS_WRAP, decode
 
 
 def paced(

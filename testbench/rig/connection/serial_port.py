@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Iterator
 
 from gcode.support.errors import UserError
-from testbench.rig.parts import Chunk, End, Lost, Part, Tick
+from testbench.rig.connection.parts import Chunk, End, Lost, Part, Tick
 
 READ_TIMEOUT_S = 0.1
 FIRST_WAIT_S, LONGEST_WAIT_S = 0.05, 1.0

@@ -11,7 +11,7 @@ from dataclasses import asdict
 from typing import Any, TextIO
 
 from gcode.support.streams import redrawn
-from testbench.rig.recorder import Report, Status
+from testbench.rig.acquisition.recorder import Report, Status
 
 LAST_WORD_MS = 2000  # how long the end of a recording waits to be shown
 

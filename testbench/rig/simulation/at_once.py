@@ -12,11 +12,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from gcode.support.arrays import IntArray
-from testbench.rig import wire
-from testbench.rig.file_lines import header_line
-from testbench.rig.parts import Accepted, End, Part, in_memory
-from testbench.rig.simulated import Readings, SimulatedRig
-from testbench.rig.stream import GAP_US, Row
+from testbench.rig.connection.parts import Accepted, End, Part, in_memory
+from testbench.rig.protocol import wire
+from testbench.rig.protocol.file_lines import header_line
+from testbench.rig.protocol.items import Row
+from testbench.rig.protocol.stream import GAP_US
+from testbench.rig.simulation.simulated import Readings, SimulatedRig
 
 BATCH = 512  # lines, as `in_memory` has them
 
@@ -60,7 +61,7 @@ def _steps_us(readings: Readings) -> IntArray:
 
 
 def csv_lines(readings: Readings, time_us: IntArray, rows: slice) -> str:
-    """Lines of ``recording.csv``, the same as `testbench.rig.file_lines.csv_line` makes of one row each."""
+    """Lines of ``recording.csv``, the same as `testbench.rig.protocol.file_lines.csv_line` makes of one row each."""
     columns = (
         (time_us, 1e6, "%.6f"),
         (readings.displacement_nm, 1e6, "%.6f"),

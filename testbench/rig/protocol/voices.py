@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from dataclasses import dataclass, field
 
-from testbench.rig.wire import MICROS_WRAP, Sample
+from testbench.rig.protocol.wire import MICROS_WRAP, Sample
 
 TURNS = 16  # from one count to another that was there before, until they are called two devices
 MOST_STEP = 8  # a line after so many lost ones still follows; two devices garble each other's lines

@@ -9,10 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 
-from testbench.rig.parts import Accepted, Chunk, End, Lost, Part
-from testbench.rig.sink import Sink
-from testbench.rig.stream import Event, Intake, Item, Lines, Row
-from testbench.rig.watchdog import Watchdog
+from testbench.rig.acquisition.sink import Sink
+from testbench.rig.acquisition.watchdog import Watchdog
+from testbench.rig.connection.parts import Accepted, Chunk, End, Lost, Part
+from testbench.rig.protocol.items import Event, Item, Lines, Row
+from testbench.rig.protocol.stream import Intake
 
 PROGRESS_S = 0.5  # from one report to the next
 RATE_WINDOW_US = 5_000_000  # over which the sampling rate is a mean
@@ -94,7 +95,7 @@ class Recorder:
     duration_s : float
         Expected, for the progress.
     is_over : callable
-        Whether the recording is complete with this row; see `testbench.rig.ending`.
+        Whether the recording is complete with this row; see `testbench.rig.acquisition.ending`.
     report : callable
         Called with the `Status` about twice a second of host time, and at the end.
     follow : callable, optional

@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field
 
-from testbench.rig.stream import Anchor, Event, Intake
+from testbench.rig.protocol.items import Event
+from testbench.rig.protocol.stream import Anchor, Intake
 
 QUIET_S = 3.0  # without a line, and a port is called silent
 QUIET_INTERVALS = 5.0  # a device of one line in ten seconds is not silent after three

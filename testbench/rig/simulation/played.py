@@ -6,7 +6,7 @@ from pathlib import Path
 
 from gcode.support.errors import UserError
 from testbench.recordings.checks import check_gauge_length
-from testbench.rig.simulated import SIMULATED_HZ, Motion
+from testbench.rig.simulation.simulated import SIMULATED_HZ, Motion
 
 DEFAULT_GAUGE_LENGTH_MM = 25.0
 

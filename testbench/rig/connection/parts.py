@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from itertools import islice
 from typing import NamedTuple
 
-from testbench.rig.stream import Row
+from testbench.rig.protocol.items import Row
 
 
 class Chunk(NamedTuple):

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
-from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
-from testbench.rig.anew import Anew
-from testbench.rig.voices import Voices
-from testbench.rig.wire import MICROS_WRAP, SEQUENCE_WRAP, BadLine, LineBuffer, Sample, decode, rescue
+from testbench.rig.protocol.anew import Anew
+from testbench.rig.protocol.items import Bad, Event, Item, Row, channels_of
+from testbench.rig.protocol.voices import Voices
+from testbench.rig.protocol.wire import MICROS_WRAP, SEQUENCE_WRAP, BadLine, LineBuffer, Sample, decode, rescue
 
 GAP_US = 1_000_000  # a longer silence is a gap
 REMEMBERED_LOSSES = 10_000  # numbers that may still come, late
@@ -31,55 +30,6 @@ class LateLine(BadLine):
 
     def __init__(self) -> None:
         super().__init__(self.reason)
-
-
-class Row(NamedTuple):
-    """An accepted sample and its time since the recording's first sample."""
-
-    time_us: int
-    sample: Sample
-
-
-class Bad(NamedTuple):
-    """A rejected line and why."""
-
-    reason: str
-    line: bytes
-
-
-class Event(NamedTuple):
-    """Something that happened during a recording, kept in ``events.jsonl``.
-
-    Kinds: ``start``, ``loss``, ``gap``, ``reboot``, ``clock jump``, ``renumbered``, ``disconnect``, ``resume``,
-    ``two devices``, ``silent``, ``mostly rejected``, ``clock disagrees``, ``sync failed``, ``unwritten``, ``alarm``,
-    ``end``.
-
-    A ``gap`` is a silence of more than 1 s, or of any length after a disconnect; a ``loss`` is a shorter one.
-    """
-
-    kind: str
-    time_us: int
-    details: dict[str, object]
-
-
-class Lines(NamedTuple):
-    """Accepted samples as they stand in ``recording.csv``; the first of a recording with its header."""
-
-    text: str
-
-
-Item = Row | Lines | Bad | Event
-
-
-def channels_of(sample: Sample) -> tuple[str, ...]:
-    """Names of the recording's channels that `sample` carries, in the order of the file."""
-    present = (
-        (DISPLACEMENT, True),
-        (FORCE, sample.force_uN is not None),
-        (RESISTANCE, sample.resistance_mohm is not None),
-        (TEMPERATURE, sample.temperature_mC is not None),
-    )
-    return tuple(name for name, there in present if there)
 
 
 @dataclass
@@ -148,7 +98,7 @@ class Intake:
     def accept(self, first: Row, last: Row, count: int) -> Iterator[Event]:
         """Take note of `count` samples without any fault in a row, from `first` to `last`.
 
-        A simulated rig that delivers at once makes them; see `testbench.rig.at_once`.
+        A simulated rig that delivers at once makes them; see `testbench.rig.simulation.at_once`.
         """
         if self.anchor is None:
             self.channels = channels_of(first.sample)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from testbench.knit.effect import FloatArray
-from testbench.rig.simulated import SIMULATED_HZ, Motion
+from testbench.rig.simulation.simulated import SIMULATED_HZ, Motion
 
 DEFAULT_REST_S = 600.0
 RETURN_MM_PER_S = 1.0

@@ -20,9 +20,9 @@ from gcode.support import disk
 from gcode.support.errors import UserError
 from testbench.recordings.channels import TIME
 from testbench.recordings.manifest import CSV
-from testbench.rig.appender import Appender
-from testbench.rig.file_lines import bad_line, csv_line, event_line, header_line
-from testbench.rig.stream import Bad, Item, Lines, Row
+from testbench.rig.acquisition.appender import Appender
+from testbench.rig.protocol.file_lines import bad_line, csv_line, event_line, header_line
+from testbench.rig.protocol.items import Bad, Item, Lines, Row
 
 BAD, EVENTS = "recording.bad", "events.jsonl"
 STAMPS = ("start", "reboot", "clock jump", "renumbered", "resume")  # events that alone tell the device's clock

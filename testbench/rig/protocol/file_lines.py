@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 from testbench.recordings.channels import TIME
-from testbench.rig.stream import Bad, Event, Row, channels_of
+from testbench.rig.protocol.items import Bad, Event, Row, channels_of
 
 
 def seconds(time_us: int) -> str:

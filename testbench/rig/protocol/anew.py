@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from testbench.rig.wire import MICROS_WRAP, SEQUENCE_WRAP, Sample
+from testbench.rig.protocol.wire import MICROS_WRAP, SEQUENCE_WRAP, Sample
 
 LEAST_LINES, LEAST_US = 8, 1_000_000  # so many refused lines in a row, over so long
 MOST_PACE = 1.1  # times the host's: a stored buffer that comes again comes quicker than it was measured

@@ -17,12 +17,13 @@ from gcode.support.strict import check_plain, json_of, read_bytes, validated
 from testbench.recordings.channels import DISPLACEMENT, TIME, UNITS
 from testbench.recordings.manifest import CSV
 from testbench.recordings.stored import StoredEvent
-from testbench.rig.ending import EndOfMotion
-from testbench.rig.file_lines import bad_line
-from testbench.rig.forward import running_forward
-from testbench.rig.sink import BAD, EVENTS
-from testbench.rig.stream import Anchor, Bad, Intake, LateLine
-from testbench.rig.wire import MICROS_WRAP, SEQUENCE_WRAP
+from testbench.rig.acquisition.ending import EndOfMotion
+from testbench.rig.acquisition.forward import running_forward
+from testbench.rig.acquisition.sink import BAD, EVENTS
+from testbench.rig.protocol.file_lines import bad_line
+from testbench.rig.protocol.items import Bad
+from testbench.rig.protocol.stream import Anchor, Intake, LateLine
+from testbench.rig.protocol.wire import MICROS_WRAP, SEQUENCE_WRAP
 
 MOST_LINE = 8192
 MOST_BYTES = 4 << 30

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from testbench.rig.simulated import Motion
-from testbench.rig.stream import Row
+from testbench.rig.protocol.items import Row
+from testbench.rig.simulation.simulated import Motion
 
 MOVED_MM = 0.2  # from the first reading: more than noise and play of the machine
 TAIL_S = 1.0  # recorded after the end of the motion

@@ -1,0 +1,1 @@
+"""A rig that is not there: it moves, reads and sends as a real one does."""
