@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from gcode.support.errors import UserError
@@ -36,6 +37,14 @@ def written(folder, text, encoding="utf-8"):
 
 def imported(folder, text, encoding="utf-8", columns=None, units=None, **changes):
     return import_csv(written(folder, text, encoding), wish(columns, units, **changes)).recording
+
+
+def test_a_file_is_parsed_once(tmp_path, monkeypatch):
+    """To see whether a row has a cell beyond the last column, an ordinary file was parsed twice."""
+    read_csv, calls = pd.read_csv, []
+    monkeypatch.setattr(pd, "read_csv", lambda *given, **more: calls.append(given) or read_csv(*given, **more))
+    imported(tmp_path, GOOD)
+    assert len(calls) == 1
 
 
 @pytest.mark.parametrize(
