@@ -206,7 +206,7 @@ def diagnose(
     if not sources:
         raise UserError("recording: must be one or more, got none")
     first, held, play_mm = recordings_for(model, given, sources[0], held_out, gauge_length_mm, clamp_play_mm)
-    more = [recording_of(one, first.gauge_length_mm) for one in sources[1:]]
+    more = [recording_of(one, gauge_length_mm, first.gauge_length_mm) for one in sources[1:]]
     check_one_history([first, *more], held, rest_s)
     with telling(progress) as tell:
         found = core.diagnose([first, *more], held, given, catalogue, tell, most, play_mm, rest_s)

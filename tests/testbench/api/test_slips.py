@@ -10,6 +10,7 @@ import pytest
 
 import gcode
 import testbench as tb
+from testbench.api.arguments import opened
 
 TIMES = {"time_s": [0, 1, 2], "displacement_mm": [0, 1, 0]}
 SLIPS = {
@@ -122,6 +123,26 @@ SLIPS = {
         lambda: tb.fit(tb.example(duration_s=20), tb.example(seed=2, duration_s=20), clamp_play_mm="0.1"),
         "clamp play: must be from 0 to 2.5 mm (10% of the gauge length), got '0.1'",
     ),
+    "another gauge length than the recording's": (
+        lambda: tb.fit(tb.example(duration_s=20), gauge_length_mm=30),
+        "this recording has a gauge length of 25 mm, got 30 mm; leave gauge_length_mm out, or",
+    ),
+    "another gauge length than that of what follows": (
+        lambda: tb.diagnose([tb.example(duration_s=20)] * 2, gauge_length_mm=24),
+        "a gauge length of 25 mm, got 24 mm",
+    ),
+    "another gauge length than a report's recording has": (
+        lambda: tb.make_report(tb.example(duration_s=20), gauge_length_mm=30),
+        "a gauge length of 25 mm, got 30 mm",
+    ),
+    "a gauge length as text beside a recording": (
+        lambda: tb.align(tb.example(duration_s=20), __file__, gauge_length_mm="25"),
+        "the gauge length must be a number of mm, got '25' (str)",
+    ),
+    "a data frame to hold out of a report": (
+        lambda: tb.make_report(tb.example(duration_s=20), held_out=tb.example(duration_s=20).to_frame()),
+        "got DataFrame; testbench.read makes a Recording of a data frame",
+    ),
     "a diagnosis that is none": (
         lambda: tb.contribution({}, "stress_relaxation", tb.example(duration_s=20)),
         "diagnosis: ",
@@ -161,3 +182,8 @@ def test_a_coordinate_that_is_none_is_refused_with_those_there_are():
     recording = tb.example(duration_s=60)
     with pytest.raises(tb.UserError, match=r"coordinate must be one of strain, .*; got 'speed'"):
         tb.compare(recording, tb.baseline()).plot(coordinate="speed")
+
+
+def test_the_gauge_length_that_a_recording_has_may_be_said_again():
+    recording = tb.example(duration_s=20)
+    assert opened(recording, 25) is opened(recording, None, usual_mm=30) is recording
