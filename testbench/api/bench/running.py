@@ -14,6 +14,7 @@ from gcode.programs.make import Made
 from gcode.support.errors import UserError
 from gcode.support.files import write_text
 from gcode.support.html import card
+from gcode.support.kinds import instance, number
 from testbench.api.arguments import AnyModel, catalogue_of, model_file_of, model_name, whole
 from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live
 from testbench.campaigns.clearing import vacant
@@ -222,6 +223,8 @@ def planned(
 ) -> tuple[Plan, Motion]:
     """Everything that a simulated campaign depends on, and the motion of its program; parameters as in `run`."""
     seed = whole("seed:", seed, 0)
+    number("rest_s", rest_s, 0)
+    tools = Instruments() if instruments is None else instance("instruments", instruments, Instruments)
     motion, gauge = played(program, gauge_length_mm)
     past = programs_before(after, model, gauge, effects)
-    return Plan(program, model, gauge, seed, sensor, instruments or Instruments(), past, rest_s, effects), motion
+    return Plan(program, model, gauge, seed, sensor, tools, past, rest_s, effects), motion

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from gcode.support.errors import UserError
 from gcode.support.figures import panels, picture
 from gcode.support.html import card, frame_table
+from gcode.support.kinds import number
 from testbench import diagnosis as core
 from testbench.api.arguments import (
     AnyModel,
@@ -214,12 +215,13 @@ def diagnose(
 
 
 def check_one_history(recordings: Sequence[Recording], held: Recording | None, rest_s: float) -> None:
-    """Refuse several recordings that cannot be one history: one that is given twice, or too much for one grid.
+    """Refuse several recordings that cannot be one history: given twice, too much for one grid, or without a rest.
 
     Raises
     ------
     UserError
     """
+    number("rest_s", rest_s, 0)
     if len(recordings) < 2:
         return
     every = [*recordings, *([] if held is None else [held])]

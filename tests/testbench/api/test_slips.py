@@ -143,6 +143,32 @@ SLIPS = {
         lambda: tb.make_report(tb.example(duration_s=20), held_out=tb.example(duration_s=20).to_frame()),
         "got DataFrame; testbench.read makes a Recording of a data frame",
     ),
+    "a rate as text, to play": (
+        lambda: gcode.play(gcode.generate("paper-1", seed=1, duration_s=20), rate_hz="a"),
+        "rate_hz must be a number, got 'a'",
+    ),
+    "a rate as text, to check": (
+        lambda: gcode.check(gcode.generate("paper-1", seed=1, duration_s=20), rate_hz="a"),
+        "rate_hz must be a number, got 'a'",
+    ),
+    "limits as a mapping": (
+        lambda: gcode.check(gcode.generate("paper-1", seed=1, duration_s=20), {"v_max_mm_per_s": 5}),
+        "limits must be of the class Limits, got dict; write Limits(**...) around the mapping",
+    ),
+    "instruments as a mapping": (
+        lambda: tb.simulate("pes", gcode.generate("paper-1", seed=1, duration_s=20), instruments={"clock": {}}),
+        "instruments must be of the class Instruments, got dict",
+    ),
+    "a rest as text": (
+        lambda: tb.diagnose(tb.example(duration_s=20), rest_s="a"),
+        "rest_s must be a number of 0 or more, got 'a'",
+    ),
+    "a rest as text, to simulate": (
+        lambda: tb.simulate("pes", gcode.generate("paper-1", seed=1, duration_s=20), rest_s="a"),
+        "rest_s must be a number of 0 or more, got 'a'",
+    ),
+    "a time as text": (lambda: tb.example(duration_s=20).between("a", 5), "start_s must be a number, got 'a'"),
+    "minutes as text": (lambda: tb.hide("none", "case", seed=1, minutes="a"), "minutes must be a number, got 'a'"),
     "a diagnosis that is none": (
         lambda: tb.contribution({}, "stress_relaxation", tb.example(duration_s=20)),
         "diagnosis: ",
