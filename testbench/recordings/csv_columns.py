@@ -123,11 +123,13 @@ def _as_float(cell: object) -> float:
         return np.nan
 
 
-def in_words(error: Exception) -> str:
-    """What pandas or the decoder objects to, without their jargon."""
+def in_words(error: Exception, header_row: int = 1) -> str:
+    """What pandas or the decoder objects to, without their jargon; rows count from `header_row`."""
     found = re.search(r"Expected (\d+) fields in line (\d+), saw (\d+)", str(error))
     if found:
         return f"row {found[2]} has {found[3]} cells, the rows above {found[1]}"
+    if found := re.search(r"EOF inside string starting at row (\d+)", str(error)):
+        return f"a quotation mark in row {header_row + int(found[1])} has no other that closes it"
     if isinstance(error, UnicodeError):
         return "not plain (UTF-8) text"
     return f"not a readable CSV ({str(error).strip()})"

@@ -56,7 +56,8 @@ class TextSheet(Sheet):
         try:
             return self._marked(self._read([*wanted, len(self.layout.columns) + 1]))
         except (pd.errors.ParserError, UnicodeError) as error:
-            raise UserError(f"{self.path}: {in_words(error)}; check the export, or name --separator") from None
+            said = in_words(error, self.layout.first_row - 1)
+            raise UserError(f"{self.path}: {said}; check the export, or name --separator") from None
 
     def _read(self, numbers: list[int]) -> pd.DataFrame:
         import pandas as pd

@@ -47,6 +47,14 @@ def test_a_file_is_parsed_once(tmp_path, monkeypatch):
     assert len(calls) == 1
 
 
+@pytest.mark.parametrize("above", ["", "Instron 5543\nsample, knit 3\n\n"])
+def test_a_quotation_mark_without_another_is_told_by_its_row(tmp_path, above):
+    rows = [*f"{above}{GOOD}".split("\n")[:-1], *(f"{0.3 + n / 10:.1f},1.0,0.3,800" for n in range(80))]
+    rows[60] = rows[60].replace("1.0", '"1.0')
+    with pytest.raises(UserError, match="a quotation mark in row 61 has no other that closes it; check the export"):
+        imported(tmp_path, "\n".join(rows))
+
+
 @pytest.mark.parametrize(
     "text",
     [

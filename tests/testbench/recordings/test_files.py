@@ -52,6 +52,7 @@ BAD = {
     HEAD + "0,0,0,1,\n1,0,0,1,\n": "row 2 has 5 cells, the header 4",
     GOOD.replace("_ohm", "_ohm,").replace("900", "900,5"): "row 1 .* column 5 has numbers and no name; name it, or",
     HEAD.replace("_ohm", "_ohm,") + "0,0,0,1,5\n1,0,0,1,x\n": "column 5 has numbers and no name",
+    GOOD.replace("0.5", '"0.5'): "a quotation mark in row 3 has no other that closes it; mend it",
     GOOD + "0.3,1.2": "row 5: force_N is nan",
 }
 
