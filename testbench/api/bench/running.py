@@ -171,7 +171,7 @@ def run(
     ...     made.recording.gauge_length_mm
     25.0
     """
-    folder, earlier, own = Path(folder), [Path(one) for one in after], Path(effects) if effects else None
+    folder, earlier, own = Path(folder), earlier_runs(after), Path(effects) if effects else None
     name = model_name(model)
     knit = model_file_of(model, catalogue_of(own)).model
     with program_file(program) as path:
@@ -208,6 +208,21 @@ def program_file(program: Made | str | Path) -> Iterator[Path]:
         path = Path(folder) / "program.tap"
         write_text(path, text_of(program)[0])
         yield path
+
+
+def earlier_runs(after: Iterable[str | Path]) -> list[Path]:
+    """The programs and campaigns that a sensor went through before.
+
+    Raises
+    ------
+    UserError
+        If they are one path, of which each letter would be one, or anything but paths.
+    """
+    several = isinstance(after, Iterable) and not isinstance(after, str)
+    paths = list(after) if several else []
+    if not several or not all(isinstance(one, str | Path) for one in paths):
+        raise UserError(f"after: must be a list of paths of programs or campaigns, got {paths or after!r}")
+    return [Path(one) for one in paths]
 
 
 def planned(

@@ -10,7 +10,7 @@ from numpy.random import default_rng
 from gcode.programs.make import Made
 from gcode.support.errors import UserError
 from testbench.api.arguments import AnyModel, catalogue_of, model_file_of
-from testbench.api.bench.running import planned, program_file
+from testbench.api.bench.running import earlier_runs, planned, program_file
 from testbench.rig.faults import faulty
 from testbench.rig.links import paced
 from testbench.rig.past import DEFAULT_REST_S
@@ -69,7 +69,7 @@ def serve_rig(
     if not 0 <= faults <= 1:
         raise UserError(f"faults: must be a share from 0 to 1, got {faults}")
     own = Path(effects) if effects else None
-    sensor, earlier = model_file_of(model, catalogue_of(own)).model, [Path(one) for one in after]
+    sensor, earlier = model_file_of(model, catalogue_of(own)).model, earlier_runs(after)
     with program_file(program) as path:
         plan, motion = planned(sensor, path, seed, gauge_length_mm, None, earlier, rest_s, effects=own)
         lines = plan.wire_lines(motion)

@@ -167,6 +167,14 @@ SLIPS = {
         lambda: tb.simulate("pes", gcode.generate("paper-1", seed=1, duration_s=20), rest_s="a"),
         "rest_s must be a number of 0 or more, got 'a'",
     ),
+    "one campaign where several may be": (
+        lambda: tb.simulate("pes", gcode.generate("paper-1", seed=1, duration_s=20), after="pes-1"),
+        "after: must be a list of paths of programs or campaigns, got 'pes-1'",
+    ),
+    "programs that were not written": (
+        lambda: tb.simulate("pes", "a.tap", after=[gcode.generate("paper-1", seed=1, duration_s=20)]),
+        "after: must be a list of paths of programs or campaigns, got [<Made paper-1",
+    ),
     "a time as text": (lambda: tb.example(duration_s=20).between("a", 5), "start_s must be a number, got 'a'"),
     "minutes as text": (lambda: tb.hide("none", "case", seed=1, minutes="a"), "minutes must be a number, got 'a'"),
     "a diagnosis that is none": (
