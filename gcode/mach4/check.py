@@ -199,7 +199,7 @@ def _feeds(program: Program, limits: Limits, rapid_mm_per_s: float | None) -> li
     found = _first(fast, program, lambda i: f"feed {feed[i]:.4g} mm/s is above v max {limit:g} mm/s")
     if rapid_mm_per_s is None:
         found += _first(rapid, program, lambda i: "a G0 move has no known speed; use G1, or state --rapid")
-    elif rapid_mm_per_s > limit:
+    elif number("rapid_mm_per_s", rapid_mm_per_s) > limit:
         text = f"a G0 move at {rapid_mm_per_s:g} mm/s is above v max {limit:g} mm/s"
         found += _first(rapid, program, lambda i: text)
     return found

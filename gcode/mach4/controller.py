@@ -14,7 +14,7 @@ from pydantic import Field
 from gcode.mach4.program import Program
 from gcode.motion.blocks import Motion, drive
 from gcode.support.errors import UserError
-from gcode.support.kinds import number
+from gcode.support.kinds import instance, number
 from gcode.trajectories.quantities import Positive, SpecModel
 from gcode.trajectories.trajectory import Trajectory, sampled
 
@@ -59,7 +59,7 @@ def machine_for(program: Program, acceleration_mm_per_s2: float | None = None) -
 
 def execute(program: Program, machine: Machine) -> Motion:
     """The executed motion of a program, as phases of constant acceleration."""
-    blocks = program.blocks(machine.rapid_mm_per_s)
+    blocks = program.blocks(instance("machine", machine, Machine).rapid_mm_per_s)
     if not len(blocks.length_mm):
         raise UserError("program: it holds no move, there is nothing to play")
     unfed = (blocks.length_mm != 0) & ~(blocks.speed_mm_per_s > 0)

@@ -9,6 +9,7 @@ from numpy.random import default_rng
 
 from gcode.programs.make import Made
 from gcode.support.errors import UserError
+from gcode.support.kinds import number
 from testbench.api.arguments import AnyModel, catalogue_of, model_file_of
 from testbench.api.bench.running import earlier_runs, planned, program_file
 from testbench.rig.faults import faulty
@@ -66,7 +67,8 @@ def serve_rig(
     ...     print(error)
     faults: must be a share from 0 to 1, got 2
     """
-    if not 0 <= faults <= 1:
+    number("speed", speed)
+    if not 0 <= number("faults", faults) <= 1:
         raise UserError(f"faults: must be a share from 0 to 1, got {faults}")
     own = Path(effects) if effects else None
     sensor, earlier = model_file_of(model, catalogue_of(own)).model, earlier_runs(after)

@@ -175,6 +175,18 @@ SLIPS = {
         lambda: tb.simulate("pes", "a.tap", after=[gcode.generate("paper-1", seed=1, duration_s=20)]),
         "after: must be a list of paths of programs or campaigns, got [<Made paper-1",
     ),
+    "a machine as a mapping": (
+        lambda: gcode.play(gcode.generate("paper-1", seed=1, duration_s=20), machine={"look_ahead_blocks": 2}),
+        "machine must be of the class Machine, got dict; write Machine(**...) around the mapping",
+    ),
+    "a speed as text": (
+        lambda: gcode.check("G21 G90 G94\nG0 X1\nM30\n", rapid_mm_per_s="a"),
+        "rapid_mm_per_s must be a number, got 'a'",
+    ),
+    "a share as text": (
+        lambda: tb.serve_rig("pes", gcode.generate("paper-1", seed=1, duration_s=20), faults="a"),
+        "faults must be a number, got 'a'",
+    ),
     "a time as text": (lambda: tb.example(duration_s=20).between("a", 5), "start_s must be a number, got 'a'"),
     "minutes as text": (lambda: tb.hide("none", "case", seed=1, minutes="a"), "minutes must be a number, got 'a'"),
     "a diagnosis that is none": (

@@ -47,6 +47,11 @@ def test_a_file_is_parsed_once(tmp_path, monkeypatch):
     assert len(calls) == 1
 
 
+def test_a_gauge_length_as_text_is_refused(tmp_path):
+    with pytest.raises(UserError, match=r"lab.csv: the gauge length must be a number of mm, got '40' \(str\)"):
+        imported(tmp_path, GOOD, gauge_length_mm="40")
+
+
 @pytest.mark.parametrize("above", ["", "Instron 5543\nsample, knit 3\n\n"])
 def test_a_quotation_mark_without_another_is_told_by_its_row(tmp_path, above):
     rows = [*f"{above}{GOOD}".split("\n")[:-1], *(f"{0.3 + n / 10:.1f},1.0,0.3,800" for n in range(80))]
