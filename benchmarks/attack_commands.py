@@ -77,7 +77,7 @@ COMMANDS = {
     "testbench record": "--port /dev/knitbench-is-not-there --program {program} -o {out}",
     "testbench record ": "--resume -o {unfinished}",
     "testbench effects ": "--effects {effects} --plot {picture} my_effect",
-    "testbench effects  ": "--new another_effect -o {out}",
+    "testbench effects  ": "--new another_effect -o {script}",
     "testbench hide": "--minutes 1 -o {out}",
     "testbench effects": "--effects {effects} --check",
     "compensation train": "{campaign} --target force --hidden 1 --restarts 1 -o {out}",
@@ -102,6 +102,7 @@ MADE_BY = (
     "compensation score {compensator} {campaign} -o {score}",
 )
 SERVE, SERVES_S = {"testbench rig"}, 3  # what serves until it is interrupted, and is, then
+ENDS = {"picture": "png", "page": "html", "script": "py"}  # of the names of files to write
 NO_ANSWER = {"testbench record", "gcode fit"}  # no device, or it would take long
 NO_NUMBERS = {
     "--port",
@@ -170,7 +171,8 @@ def cases(only: Sequence[str], good: dict[str, Path], bad: dict[str, Path], out:
             continue
         program, sub = template_of.split()[:2]
         command, slots = f"{program} {sub}", template.split()
-        places = good | {"out": out, "picture": out.with_name("out.png"), "page": out.with_name("out.html")}
+        places = good | {"out": out}
+        places |= {name: out.with_name(f"out.{end}") for name, end in ENDS.items()}
         filled = [str(places[word[1:-1]]) if word.startswith("{") else word for word in slots]
         yield Case(command, [sub, *filled], "nothing")
         yield Case(command, [sub, *filled], "what is written is there", again=True)

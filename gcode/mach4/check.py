@@ -14,6 +14,7 @@ from gcode.motion.blocks import MOST_SAMPLES, Motion
 from gcode.motion.statistics import MotionStatistics, motion_statistics
 from gcode.support.errors import UserError
 from gcode.support.html import card
+from gcode.support.kinds import number
 from gcode.trajectories.bounds import Limits, excesses
 
 if TYPE_CHECKING:
@@ -97,11 +98,11 @@ def check_program(
     UserError
         If `rate_hz` is not from 1 to 10,000, or `longest_dwell_s` not above zero.
     """
-    if not 1 <= rate_hz <= 10_000:
+    if not 1 <= number("rate_hz", rate_hz) <= 10_000:
         # Below, the differences would be taken over whole strokes, and show nothing of them.
         raise UserError(f"rate_hz must be from 1 to 10000, got {rate_hz:g}")
     longest_dwell_s = LONGEST_DWELL_S if longest_dwell_s is None else longest_dwell_s
-    if not longest_dwell_s > 0:
+    if not number("longest_dwell_s", longest_dwell_s) > 0:
         raise UserError(f"the longest dwell must be a number of seconds above 0, got {longest_dwell_s:g}")
     problems = [
         *program.problems,
@@ -198,7 +199,7 @@ def _feeds(program: Program, limits: Limits, rapid_mm_per_s: float | None) -> li
     found = _first(fast, program, lambda i: f"feed {feed[i]:.4g} mm/s is above v max {limit:g} mm/s")
     if rapid_mm_per_s is None:
         found += _first(rapid, program, lambda i: "a G0 move has no known speed; use G1, or state --rapid")
-    elif rapid_mm_per_s > limit:
+    elif number("rapid_mm_per_s", rapid_mm_per_s) > limit:
         text = f"a G0 move at {rapid_mm_per_s:g} mm/s is above v max {limit:g} mm/s"
         found += _first(rapid, program, lambda i: text)
     return found

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import numpy as np
 from pydantic import Field
 
 from gcode.mach4.program import Program
 from gcode.motion.blocks import Motion, drive
 from gcode.support.errors import UserError
+from gcode.support.kinds import instance, number
 from gcode.trajectories.quantities import Positive, SpecModel
 from gcode.trajectories.trajectory import Trajectory, sampled
 
@@ -59,7 +59,7 @@ def machine_for(program: Program, acceleration_mm_per_s2: float | None = None) -
 
 def execute(program: Program, machine: Machine) -> Motion:
     """The executed motion of a program, as phases of constant acceleration."""
-    blocks = program.blocks(machine.rapid_mm_per_s)
+    blocks = program.blocks(instance("machine", machine, Machine).rapid_mm_per_s)
     if not len(blocks.length_mm):
         raise UserError("program: it holds no move, there is nothing to play")
     unfed = (blocks.length_mm != 0) & ~(blocks.speed_mm_per_s > 0)
@@ -92,7 +92,7 @@ def play(program: Program, rate_hz: float = 20.0, machine: Machine | None = None
     Trajectory
         From the program's start to its end.
     """
-    if not (np.isfinite(rate_hz) and 0 < rate_hz <= 100_000):
+    if not 0 < number("rate_hz", rate_hz) <= 100_000:
         raise UserError(f"rate_hz must be above 0 and at most 100000, got {rate_hz:g}")
     motion = execute(program, machine or machine_for(program))
     if motion.end_s > MAX_PLAYED_S:

@@ -15,6 +15,7 @@ from gcode.programs.made_again import check_file
 from gcode.programs.make import Made, make
 from gcode.programs.request import changed
 from gcode.support.errors import UserError
+from gcode.support.kinds import instance
 from gcode.trajectories.bounds import Limits
 from gcode.trajectories.presets import preset
 from gcode.trajectories.protocol import Piece, Protocol
@@ -137,7 +138,7 @@ def check(program: str | Path | Program | Made, limits: Limits | None = None, **
     >>> gcode.check(made.program, gcode.Limits(v_max_mm_per_s=1.0)).ok
     False
     """
-    allowed = limits or Limits()
+    allowed = Limits() if limits is None else instance("limits", limits, Limits)
     if isinstance(program, Program):
         from gcode.mach4.check import check_program
 

@@ -30,6 +30,8 @@ KEPT_OUT = {"PYTHONSAFEPATH": "1", "NUMBA_CACHE_DIR": "", "NUMBA_CACHE_LOCATOR_C
 WRITTEN = frozenset({"output", "out", "json", "plot", "save_model"})  # arguments that name files to write
 WORDS = frozenset({"title", "name", "specimen"})  # arguments that are no file, though one may have that name
 MOST_PROCESSES = 1024
+# Of the environment: libraries end in a traceback where these are no such numbers, some while they are imported.
+NUMBERS = {"SOURCE_DATE_EPOCH": (0, 99_999_999_999), "NUMBA_NUM_THREADS": (1, MOST_PROCESSES)}
 EXIT_BAD_INPUT = 2
 EXIT_INTERRUPTED = 130
 
@@ -85,6 +87,7 @@ def main(prog: str, description: str, package: str, commands: Sequence[str], arg
 
 def _run(args: argparse.Namespace, words: Sequence[str]) -> int:
     try:
+        check_environment()
         check_words(words)
         check_apart(args)
         with contextlib.redirect_stdout(cast(TextIO, _Printable(sys.stdout))):
@@ -124,6 +127,15 @@ def whole(low: int, high: int) -> Callable[[str], int]:
 
 
 processes = whole(1, MOST_PROCESSES)  # argparse type of --workers
+
+
+def check_environment() -> None:
+    """Refuse what libraries would not take from the environment; see `NUMBERS`."""
+    for name, (low, high) in NUMBERS.items():
+        try:
+            whole(low, high)(os.environ.get(name, str(low)))
+        except argparse.ArgumentTypeError as error:
+            raise UserError(f"{name} in the environment {error}; unset it, or mend it") from None
 
 
 def check_words(words: Sequence[str]) -> None:

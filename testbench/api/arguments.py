@@ -140,20 +140,50 @@ def whole(name: str, value: int, least: int) -> int:
     return operator.index(value)
 
 
-def recording_of(source: Source, gauge_length_mm: float | None = None) -> Recording:
-    """A recording with its displacement, which every model needs; doubts about it are said on stderr, once.
+def opened(source: Source, gauge_length_mm: float | None, usual_mm: float | None = None) -> Recording:
+    """A recording, read where a path was given.
+
+    Parameters
+    ----------
+    source : Recording or path
+    gauge_length_mm : float, optional
+        As the user gave it: for the path of a bare CSV.
+    usual_mm : float, optional
+        What it is taken for there where the user gave none.
 
     Raises
     ------
     UserError
-        If it is no recording, has no displacement, or is nearly nothing but one gap.
+        If it is no recording, or `gauge_length_mm` is another one than that of a recording in memory: it would be
+        left out in silence.
     """
     if not isinstance(source, Recording | str | Path):
         raise UserError(
             f"recording: must be a Recording, a CSV or a campaign folder, got {type(source).__name__}; "
             "testbench.read makes a Recording of a data frame"
         )
-    recording = source if isinstance(source, Recording) else read_recording(source, gauge_length_mm)
+    if not isinstance(source, Recording):
+        return read_recording(source, usual_mm if gauge_length_mm is None else gauge_length_mm)
+    given_mm = known_length(gauge_length_mm, source.source)
+    if gauge_length_mm is not None and source.has(DISPLACEMENT) and given_mm != source.gauge_length_mm:
+        raise UserError(
+            f"{source.source}: this recording has a gauge length of {source.gauge_length_mm:g} mm, got "
+            f"{given_mm:g} mm; leave gauge_length_mm out, or give the right one where the recording is made"
+        )
+    return source
+
+
+def recording_of(source: Source, gauge_length_mm: float | None = None, usual_mm: float | None = None) -> Recording:
+    """A recording with its displacement, which every model needs; doubts about it are said on stderr, once.
+
+    See `opened` for the lengths.
+
+    Raises
+    ------
+    UserError
+        If it has no displacement, or is nearly nothing but one gap; see also `opened`.
+    """
+    recording = opened(source, gauge_length_mm, usual_mm)
     recording.needs_displacement()
     check_gap(recording)
     say_sign(recording)
@@ -182,12 +212,11 @@ def recordings_for(
     clamp_play_mm : float
         0: as the model was fitted.
     """
-    if gauge_length_mm is None and file is not None:
-        gauge_length_mm = file.gauge_length_mm or None  # 0: not known
-    first = recording_of(recording, gauge_length_mm)
+    usual_mm = (file.gauge_length_mm or None) if file else None  # 0: not known
+    first = recording_of(recording, gauge_length_mm, usual_mm)
     if file is not None:
         check_same_set_up(file, first, model if isinstance(model, str | Path) else "model")
-    second = None if held_out is None else recording_of(held_out, gauge_length_mm)
+    second = None if held_out is None else recording_of(held_out, gauge_length_mm, usual_mm)
     if second is not None:
         check_grid([second], first, MAX_GRID_HZ, MIN_PART)
         say_if_same(second, first)

@@ -17,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", dest="campaign", required=True, metavar="CAMPAIGN", help="folder to write")
     parser.add_argument("--divider-ohm", type=positive, metavar="R", help="reference resistor (default 606000)")
     parser.add_argument("--rate-hz", type=positive, metavar="F", help="mean sampling rate (default 41.5)")
-    parser.add_argument("--rate-sd-hz", type=positive, metavar="S", help="its spread (default 14.2)")
+    parser.add_argument("--rate-sd-hz", type=positive, metavar="S", help="its spread (default 14.2 of 41.5)")
     parser.add_argument(
         "--room-swing-c",
         type=positive,

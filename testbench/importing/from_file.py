@@ -28,6 +28,7 @@ from testbench.importing.vocabulary.notation import numbers
 from testbench.importing.vocabulary.roles import STRETCH, counts_repeats, speaks_about
 from testbench.importing.wish import Wish
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
+from testbench.recordings.checks import known_length
 from testbench.recordings.recording import Recording
 
 SLOWEST_HZ = 0.1
@@ -141,7 +142,7 @@ def _recorded(
     picked = {name: values[index] for name, values in channels.items()}
     told = zeroed(picked, choice, wish)
     told += turned(picked, choice, wish)
-    gauge_mm = float(wish.gauge_length_mm) if wish.gauge_length_mm and DISPLACEMENT in picked else np.nan
+    gauge_mm = known_length(wish.gauge_length_mm or None, str(path)) if DISPLACEMENT in picked else np.nan
     recording = Recording(when_s - when_s[0], picked, gauge_mm, str(path))
     done = Imported(recording, label, int((~kept).sum()), moved, repeated, float(when_s[0]), dict(read.words))
     strained = gauge_doubt(sheet, choice, read, wish.gauge_length_mm)

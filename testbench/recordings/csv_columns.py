@@ -47,7 +47,7 @@ def read_frame(path: Path, growing: bool = False) -> pd.DataFrame:
     Raises
     ------
     UserError
-        If the file is empty or is not comma-separated.
+        If the file is empty or is not comma-separated, or has numbers in a column without a name.
     """
     import pandas as pd
 
@@ -55,13 +55,28 @@ def read_frame(path: Path, growing: bool = False) -> pd.DataFrame:
     try:
         _check_head(path)
         source: Path | io.BytesIO = _whole_lines(path) if growing else path
-        return pd.read_csv(source, skipinitialspace=True, low_memory=False, compression=None)
+        frame = pd.read_csv(source, skipinitialspace=True, low_memory=False, compression=None)
     except pd.errors.EmptyDataError:
         raise UserError(f"{path}: the file is empty") from None
     except (pd.errors.ParserError, UnicodeError) as error:
         raise UserError(f"{path}: {in_words(error)}; mend it, or try `testbench import`") from None
     except OSError as error:
         raise UserError(f"{path}: cannot read it: {error.strerror or error}") from None
+    _check_named(path, frame)
+    return frame
+
+
+def _check_named(path: Path, frame: pd.DataFrame) -> None:
+    """Refuse numbers in a column without a name: a decimal comma before them may have parted one cell in two.
+
+    The first column may have none: pandas writes the numbers of the rows there.
+    """
+    for number, name in enumerate(frame.columns):
+        if number and name == f"Unnamed: {number}" and not _is_remark(frame, name):
+            raise UserError(
+                f"{path}: row 1 ends in a comma or leaves a name out: column {number + 1} has numbers and no name; "
+                "name it, or turn the file into a recording with `testbench import`"
+            )
 
 
 def _check_head(path: Path) -> None:
@@ -108,11 +123,13 @@ def _as_float(cell: object) -> float:
         return np.nan
 
 
-def in_words(error: Exception) -> str:
-    """What pandas or the decoder objects to, without their jargon."""
+def in_words(error: Exception, header_row: int = 1) -> str:
+    """What pandas or the decoder objects to, without their jargon; rows count from `header_row`."""
     found = re.search(r"Expected (\d+) fields in line (\d+), saw (\d+)", str(error))
     if found:
         return f"row {found[2]} has {found[3]} cells, the rows above {found[1]}"
+    if found := re.search(r"EOF inside string starting at row (\d+)", str(error)):
+        return f"a quotation mark in row {header_row + int(found[1])} has no other that closes it"
     if isinstance(error, UnicodeError):
         return "not plain (UTF-8) text"
     return f"not a readable CSV ({str(error).strip()})"

@@ -6,7 +6,7 @@ and an ESP32 whose loop asks for all three at jittered times.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
@@ -14,6 +14,8 @@ from pydantic import Field
 
 from gcode.support.arrays import FloatArray
 from gcode.support.strict import StrictModel
+
+CLOCK_HZ, CLOCK_SD_HZ = 41.5, 14.2  # mean and standard deviation of 1/dt, measured on the paper's bench
 
 
 class Truth(NamedTuple):
@@ -26,11 +28,19 @@ class Truth(NamedTuple):
     temperature_C: FloatArray | None = None
 
 
-class SampleClock(StrictModel):
-    """When the firmware's loop reads: instantaneous rates 1/dt are lognormal with the measured mean and SD."""
+def _measured_spread(clock: dict[str, Any]) -> float:
+    """The SD that was measured on the paper's bench, at another mean as large a share of it."""
+    return CLOCK_SD_HZ * (clock.get("rate_hz", CLOCK_HZ) / CLOCK_HZ)
 
-    rate_hz: float = Field(default=41.5, ge=0.01, le=1000, description="mean of 1/dt, measured on the paper's bench")
-    rate_sd_hz: float = Field(default=14.2, ge=0, le=500, description="standard deviation of 1/dt, measured likewise")
+
+class SampleClock(StrictModel):
+    """When the firmware's loop reads: instantaneous rates 1/dt are lognormal with the measured mean and SD.
+
+    A clock of another mean has the measured spread as a share of it, unless its own SD is given.
+    """
+
+    rate_hz: float = Field(default=CLOCK_HZ, ge=0.01, le=1000, description="mean of 1/dt")
+    rate_sd_hz: float = Field(default_factory=_measured_spread, ge=0, le=500, description="SD of 1/dt")
 
     def times(self, duration_s: float, rng: Generator) -> FloatArray:
         """Sample times from 0 to at most `duration_s`, in whole microseconds, strictly increasing."""

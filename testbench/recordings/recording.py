@@ -18,6 +18,7 @@ import numpy as np
 
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
+from gcode.support.kinds import number
 from testbench.recordings.channels import DISPLACEMENT, RESISTANCE, TIME
 from testbench.recordings.checks import check
 
@@ -183,9 +184,9 @@ class Recording:
         Raises
         ------
         UserError
-            If there are too few for a recording.
+            If there are too few for a recording, or either end is no number.
         """
-        return self._rows((self.time_s >= start_s) & (self.time_s < end_s))
+        return self._rows((self.time_s >= number("start_s", start_s)) & (self.time_s < number("end_s", end_s)))
 
     def thinned(self, every: int) -> Recording:
         """Every n-th sample, where n is `every`, the first one included.

@@ -62,6 +62,15 @@ def overlay_of(
     )
 
 
+def as_read(both: Overlay, measurement: Measurement) -> Overlay:
+    """The overlay without the grid points in gaps of the recording: what stands there was made up between samples."""
+    begin_s = float(measurement.recording.time_s[0])
+    made_up = np.zeros(len(both.time_s), dtype=bool)
+    for start_s, end_s in measurement.recording.gaps:
+        made_up |= (both.time_s > start_s - begin_s) & (both.time_s < end_s - begin_s)
+    return both.within(~made_up)
+
+
 def _shifted(signals: Mapping[str, np.ndarray], measurement: Measurement) -> dict[str, np.ndarray]:
     rows = measurement.counts
     return {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import textwrap
 from pathlib import Path
@@ -19,6 +20,19 @@ BLOCKS = {
     "README.md": next(textwrap.dedent(block) for block in README if "import gcode" in block),
     "docs/index.md": PAGE[0],
 }
+
+
+def assigned(text: str) -> dict[str, str]:
+    """What each name stands for, as written, where a line gives one thing one name."""
+    lines = [line for line in ast.parse(text).body if isinstance(line, ast.Assign)]
+    return {ast.unparse(line.targets[0]): ast.unparse(line.value) for line in lines}
+
+
+def test_both_pages_make_the_same_of_the_same_names() -> None:
+    readme, page = (assigned(BLOCKS[where]) for where in ("README.md", "docs/index.md"))
+    both = readme.keys() & page.keys()
+    assert {"fit", "where", "model", "sim"} <= both
+    assert {name: readme[name] for name in both} == {name: page[name] for name in both}
 
 
 @pytest.mark.slow

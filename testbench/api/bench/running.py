@@ -14,6 +14,7 @@ from gcode.programs.make import Made
 from gcode.support.errors import UserError
 from gcode.support.files import write_text
 from gcode.support.html import card
+from gcode.support.kinds import instance, number
 from testbench.api.arguments import AnyModel, catalogue_of, model_file_of, model_name, whole
 from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live
 from testbench.campaigns.clearing import vacant
@@ -170,7 +171,7 @@ def run(
     ...     made.recording.gauge_length_mm
     25.0
     """
-    folder, earlier, own = Path(folder), [Path(one) for one in after], Path(effects) if effects else None
+    folder, earlier, own = Path(folder), earlier_runs(after), Path(effects) if effects else None
     name = model_name(model)
     knit = model_file_of(model, catalogue_of(own)).model
     with program_file(program) as path:
@@ -209,6 +210,21 @@ def program_file(program: Made | str | Path) -> Iterator[Path]:
         yield path
 
 
+def earlier_runs(after: Iterable[str | Path]) -> list[Path]:
+    """The programs and campaigns that a sensor went through before.
+
+    Raises
+    ------
+    UserError
+        If they are one path, of which each letter would be one, or anything but paths.
+    """
+    several = isinstance(after, Iterable) and not isinstance(after, str)
+    paths = list(after) if several else []
+    if not several or not all(isinstance(one, str | Path) for one in paths):
+        raise UserError(f"after: must be a list of paths of programs or campaigns, got {paths or after!r}")
+    return [Path(one) for one in paths]
+
+
 def planned(
     model: KnitModel,
     program: Path,
@@ -222,6 +238,8 @@ def planned(
 ) -> tuple[Plan, Motion]:
     """Everything that a simulated campaign depends on, and the motion of its program; parameters as in `run`."""
     seed = whole("seed:", seed, 0)
+    number("rest_s", rest_s, 0)
+    tools = Instruments() if instruments is None else instance("instruments", instruments, Instruments)
     motion, gauge = played(program, gauge_length_mm)
     past = programs_before(after, model, gauge, effects)
-    return Plan(program, model, gauge, seed, sensor, instruments or Instruments(), past, rest_s, effects), motion
+    return Plan(program, model, gauge, seed, sensor, tools, past, rest_s, effects), motion

@@ -9,8 +9,9 @@ from numpy.random import default_rng
 
 from gcode.programs.make import Made
 from gcode.support.errors import UserError
+from gcode.support.kinds import number
 from testbench.api.arguments import AnyModel, catalogue_of, model_file_of
-from testbench.api.bench.running import planned, program_file
+from testbench.api.bench.running import earlier_runs, planned, program_file
 from testbench.rig.connection.links import paced
 from testbench.rig.simulation.faults import faulty
 from testbench.rig.simulation.past import DEFAULT_REST_S
@@ -66,10 +67,11 @@ def serve_rig(
     ...     print(error)
     faults: must be a share from 0 to 1, got 2
     """
-    if not 0 <= faults <= 1:
+    number("speed", speed)
+    if not 0 <= number("faults", faults) <= 1:
         raise UserError(f"faults: must be a share from 0 to 1, got {faults}")
     own = Path(effects) if effects else None
-    sensor, earlier = model_file_of(model, catalogue_of(own)).model, [Path(one) for one in after]
+    sensor, earlier = model_file_of(model, catalogue_of(own)).model, earlier_runs(after)
     with program_file(program) as path:
         plan, motion = planned(sensor, path, seed, gauge_length_mm, None, earlier, rest_s, effects=own)
         lines = plan.wire_lines(motion)

@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 from gcode.programs.api import generate
 from gcode.programs.make import Made
 from testbench.api.arguments import AnyModel, Effects, catalogue_of, model_file_of
-from testbench.api.bench.running import planned, program_file
+from testbench.api.bench.running import earlier_runs, planned, program_file
 from testbench.campaigns.campaign import simulate_campaign
 from testbench.knit.catalogue import baseline
 from testbench.knit.effect import Effect
@@ -75,7 +75,7 @@ def simulate(
     True
     """
     sensor = model_file_of(model, catalogue_of(effects)).model
-    earlier = [Path(one) for one in after]
+    earlier = earlier_runs(after)
     with program_file(program) as path, TemporaryDirectory(prefix="knitbench-") as temporary:
         plan, motion = planned(sensor, path, seed, gauge_length_mm, instruments, earlier, rest_s)
         simulate_campaign(plan, Path(temporary) / "campaign", motion)

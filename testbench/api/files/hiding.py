@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gcode.support.html import card
+from gcode.support.kinds import number
 from gcode.support.strict import read_json
 from testbench.api.arguments import whole
 from testbench.recordings.channels import FORCE, RESISTANCE
@@ -138,11 +139,11 @@ def hide(
     """
     case = make_case(
         effect,
-        float(strength),
+        number("strength", strength),
         world,
         secrets.randbelow(LARGEST_SEED) if seed is None else whole("seed:", seed, 0),
-        float(minutes),
-        float(rate_hz),
+        number("minutes", minutes),
+        number("rate_hz", rate_hz),
         noise,
         protocol=protocol,
         channels=(channels,) if isinstance(channels, str) else tuple(channels),

@@ -9,9 +9,8 @@ from typing import Any, Literal
 
 from gcode.support.errors import UserError
 from gcode.support.html import card
-from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of
+from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, opened
 from testbench.api.missing.diagnosing import DiagnosisResult, diagnosis_data
-from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
 from testbench.report.build import Inputs, build_report
 from testbench.report.document import Report
@@ -127,8 +126,8 @@ def make_report(
     catalogue = catalogue_of(effects)
     recorded, found = _several(recordings), _several(diagnoses)
     given = Inputs(
-        recordings=tuple(_read(one, gauge_length_mm) for one in recorded),
-        held_out=None if held_out is None else _read(held_out, gauge_length_mm),
+        recordings=tuple(opened(one, gauge_length_mm) for one in recorded),
+        held_out=None if held_out is None else opened(held_out, gauge_length_mm),
         model=None if model is None else model_file_of(model, catalogue),
         model_name=str(model) if isinstance(model, str | Path) else "model",
         catalogue=catalogue,
@@ -152,10 +151,6 @@ def _several(given: Any) -> list[Any]:
             "testbench.read makes a Recording of a data frame"
         )
     return list(given)
-
-
-def _read(source: Source, gauge_length_mm: float | None) -> Recording:
-    return source if isinstance(source, Recording) else read_recording(source, gauge_length_mm)
 
 
 def _files(given: Iterable[object]) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from gcode.support.errors import UserError
 from gcode.support.figures import panels, picture
 from gcode.support.html import card, frame_table
+from gcode.support.kinds import number
 from testbench import diagnosis as core
 from testbench.api.arguments import (
     AnyModel,
@@ -208,7 +209,7 @@ def diagnose(
     if not sources:
         raise UserError("recording: must be one or more, got none")
     first, held, play_mm = recordings_for(model, given, sources[0], held_out, gauge_length_mm, clamp_play_mm)
-    more = [recording_of(one, first.gauge_length_mm) for one in sources[1:]]
+    more = [recording_of(one, gauge_length_mm, first.gauge_length_mm) for one in sources[1:]]
     check_one_history([first, *more], held, rest_s)
     with telling(progress) as tell:
         found = core.diagnose([first, *more], held, given, catalogue, tell, most, play_mm, rest_s)
@@ -216,12 +217,13 @@ def diagnose(
 
 
 def check_one_history(recordings: Sequence[Recording], held: Recording | None, rest_s: float) -> None:
-    """Refuse several recordings that cannot be one history: one that is given twice, or too much for one grid.
+    """Refuse several recordings that cannot be one history: given twice, too much for one grid, or without a rest.
 
     Raises
     ------
     UserError
     """
+    number("rest_s", rest_s, 0)
     if len(recordings) < 2:
         return
     every = [*recordings, *([] if held is None else [held])]

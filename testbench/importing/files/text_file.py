@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import re
 from collections.abc import Sequence
 from contextlib import suppress
@@ -28,6 +29,18 @@ HEAD_BYTES = 1 << 20
 _GAP = re.compile(r"\t+| {2,}")
 
 
+class _Headed(io.TextIOBase):
+    """A text stream with a header above it: pandas takes a column that no row has from a header alone."""
+
+    def __init__(self, header: str, stream: io.TextIOWrapper) -> None:
+        self._header, self._stream = f"{header}\n", stream
+
+    def read(self, size: int | None = -1) -> str:
+        """The header at first, then what is in the stream."""
+        header, self._header = self._header, ""
+        return header or self._stream.read(size)
+
+
 @dataclass(frozen=True)
 class TextSheet(Sheet):
     """A text file."""
@@ -41,27 +54,24 @@ class TextSheet(Sheet):
 
         wanted = sorted(set(numbers))
         try:
-            try:
-                return self._marked(self._read([*wanted, len(self.layout.columns) + 1]))
-            except pd.errors.ParserError:
-                return self._read(wanted)  # no row has a cell beyond the last column, or the file cannot be read
-        except pd.errors.EmptyDataError:
-            return pd.DataFrame()
+            return self._marked(self._read([*wanted, len(self.layout.columns) + 1]))
         except (pd.errors.ParserError, UnicodeError) as error:
-            raise UserError(f"{self.path}: {in_words(error)}; check the export, or name --separator") from None
+            said = in_words(error, self.layout.first_row - 1)
+            raise UserError(f"{self.path}: {said}; check the export, or name --separator") from None
 
     def _read(self, numbers: list[int]) -> pd.DataFrame:
         import pandas as pd
 
+        names = list(range(max(numbers)))
         with self.path.open(encoding=self.encoding) as stream:
             for _ in range(self.layout.first_row - 1):  # pandas would count a cell with line breaks as one line
                 stream.readline()
             frame = pd.read_csv(
-                stream,
+                _Headed(self.separator.join(map(str, names)), stream),
                 sep=r"\s+" if self.separator == BLANKS else self.separator,
                 decimal=self.decimal,
-                header=None,
-                names=list(range(max(*numbers, len(self.layout.columns)))),
+                header=0,
+                names=names,
                 usecols=[number - 1 for number in numbers],
                 skip_blank_lines=False,
                 skipinitialspace=True,

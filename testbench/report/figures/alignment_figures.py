@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from gcode.support.arrays import FloatArray
+from testbench.recordings.recording import gaps_in
 from testbench.report import style
 from testbench.report.downsample import window
 from testbench.report.figures.recording_figures import line
@@ -25,12 +26,12 @@ def alignment(
     start_s, end_s : float, optional
         Draw this stretch only.
     """
-    rows = window(time_s, start_s, end_s)
+    rows, gaps = window(time_s, start_s, end_s), gaps_in(time_s)
     difference_um = 1e3 * (recorded_mm - planned_mm)
     traces = [
-        line(time_s[rows], planned_mm[rows], style.ORANGE, "planned", 0, showlegend=True),
-        line(time_s[rows], recorded_mm[rows], style.INK, "recorded", 0, showlegend=True),
-        line(time_s[rows], difference_um[rows], style.BLUE, "recorded minus planned", 1),
+        line(time_s[rows], planned_mm[rows], style.ORANGE, "planned", 0, gaps=gaps, showlegend=True),
+        line(time_s[rows], recorded_mm[rows], style.INK, "recorded", 0, gaps=gaps, showlegend=True),
+        line(time_s[rows], difference_um[rows], style.BLUE, "recorded minus planned", 1, gaps=gaps),
     ]
     traces[0]["line"] = {"color": style.ORANGE, "width": 3}
     axes = style.stacked_axes(["Displacement / mm", "Difference / µm"], "Time of the plan / s")

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcode.support.arrays import FloatArray
+from testbench.recordings.recording import gaps_in
 from testbench.report import style
 from testbench.report.downsample import liveliest, window
-from testbench.report.figures.recording_figures import line, stretches
+from testbench.report.figures.recording_figures import at_rows, line, stretches, unbroken
 
 CHANNEL_TITLES = {"force": "Force / N", "conductance": "ln (G / S)", "resistance": "Resistance / kΩ"}
 RESIDUAL_TITLES = {"force": "Residual / N", "conductance": "Residual / ln S", "resistance": "Residual / kΩ"}
@@ -40,6 +41,11 @@ class Overlay:
     modelled: Mapping[str, Mapping[str, FloatArray]]
     noise_floor: Mapping[str, float]
     held_out_from_s: float | None = None
+
+    @property
+    def gaps(self) -> tuple[tuple[float, float], ...]:
+        """Where nothing was recorded, or nothing counts; see `gaps_in`."""
+        return gaps_in(self.time_s)
 
     def residual(self, channel: str, label: str | None = None) -> FloatArray:
         """Measured minus modelled of one model (default: the last)."""
@@ -112,15 +118,15 @@ def overlay(both: Overlay, start_s: float | None = None, end_s: float | None = N
 
 
 def _channel_traces(both: Overlay, channel: str, rows: slice, row: int) -> list[dict[str, Any]]:
-    time_s = both.time_s[rows]
-    first = row == 0
-    traces = [line(time_s, both.measured[channel][rows], style.MEASURED, "measured", row, showlegend=first)]
+    time_s, gaps = both.time_s[rows], both.gaps
+    look: dict[str, Any] = {"gaps": gaps, "showlegend": row == 0}
+    traces = [line(time_s, both.measured[channel][rows], style.MEASURED, "measured", row, **look)]
     for index, label in enumerate(both.modelled):
         colour = model_colour(index, len(both.modelled))
         values = both.modelled[label][channel][rows]
-        traces.append(line(time_s, values, colour, label, row, showlegend=first))
+        traces.append(line(time_s, values, colour, label, row, **look))
         residual = both.residual(channel, label)[rows]
-        traces.append(line(time_s, residual, colour, f"{label}: residual", row + 1))
+        traces.append(line(time_s, residual, colour, f"{label}: residual", row + 1, gaps=gaps))
     return traces
 
 
@@ -164,27 +170,21 @@ def modelled_loops(both: Overlay) -> style.Figure:
     """Hysteresis loops of a few half minutes, modelled over measured: force and ln G over strain."""
     names = ["measured", *both.modelled]
     colours = [style.MEASURED, *(model_colour(i, len(both.modelled)) for i in range(len(both.modelled)))]
-    rows = _joined(stretches(both.time_s, 3))
-    strain_percent = _broken(100 * both.strain, rows)
+    rows = _joined([unbroken(part, both.time_s, both.gaps) for part in stretches(both.time_s, 3)])
+    strain_percent = at_rows(100 * both.strain, rows)
     traces = []
     for column, channel in enumerate(both.measured):
         signals = [both.measured[channel], *(model[channel] for model in both.modelled.values())]
         shown: dict[str, Any] = {"hovertemplate": "%{y:.4g} at %{x:.2f} %", "showlegend": column == 0}
         for name, colour, values in zip(names, colours, signals, strict=True):
-            traces.append(style.curve(strain_percent, _broken(values, rows), colour, column, name=name, **shown))
+            traces.append(style.curve(strain_percent, at_rows(values, rows), colour, column, name=name, **shown))
     axes = style.side_by_side_axes([("Strain / %", CHANNEL_TITLES[channel]) for channel in both.measured])
     return style.figure(traces, height=380, **axes)
 
 
-def _joined(parts: Sequence[slice]) -> NDArray[np.intp]:
+def _joined(parts: Sequence[NDArray[np.intp]]) -> NDArray[np.intp]:
     """Rows of several stretches with -1 between them."""
-    rows = [np.append(np.arange(part.start, part.stop), -1) for part in parts]
-    return np.concatenate(rows)[:-1]
-
-
-def _broken(values: FloatArray, rows: NDArray[np.intp]) -> FloatArray:
-    """Values at `rows`, NaN (a gap in the line) at -1."""
-    return np.where(rows < 0, np.nan, values[rows])
+    return np.concatenate([np.append(rows, -1) for rows in parts])[:-1]
 
 
 def busiest_window(both: Overlay, length_s: float) -> tuple[float, float]:

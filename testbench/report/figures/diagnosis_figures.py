@@ -9,6 +9,7 @@ import numpy as np
 
 from gcode.support.arrays import FloatArray
 from testbench.comparing.words import spoken
+from testbench.recordings.recording import gaps_in
 from testbench.report import style
 from testbench.report.downsample import window
 from testbench.report.figures.comparison_figures import RESIDUAL_TITLES
@@ -110,10 +111,10 @@ def prediction(
     start_s, end_s : float, optional
         Draw this stretch only.
     """
-    rows = window(time_s, start_s, end_s)
+    rows, gaps = window(time_s, start_s, end_s), gaps_in(time_s)
     traces = []
     for row, channel in enumerate(residual):
-        first: dict[str, Any] = {"showlegend": row == 0}
+        first: dict[str, Any] = {"showlegend": row == 0, "gaps": gaps}
         left = "what the model leaves"
         traces.append(line(time_s[rows], residual[channel][rows], style.FAINT, left, row, **first))
         added = "what the effect would add"

@@ -160,7 +160,7 @@ def at_a_glance(both: Overlay, steps: Sequence[Step], span_s: tuple[float, float
 
 def _measured_against_modelled(both: Overlay, channel: str, rows: slice, axis: int) -> list[dict[str, Any]]:
     time_s = both.time_s[rows]
-    place: dict[str, Any] = {"xaxis": style.x_ref(axis), "showlegend": axis == 0}
+    place: dict[str, Any] = {"xaxis": style.x_ref(axis), "showlegend": axis == 0, "gaps": both.gaps}
     traces = [line(time_s, both.measured[channel][rows], style.MEASURED, "measured", axis, **place)]
     for index, (label, signals) in enumerate(both.modelled.items()):
         colour = model_colour(index, len(both.modelled))

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gcode.support.arrays import FloatArray
 from gcode.support.figures import broken, histogram_range
@@ -115,8 +116,9 @@ def hysteresis_loops(recording: Recording, resistance: bool = False) -> style.Fi
         shown: dict[str, Any] = {"showlegend": column == 0, "hovertemplate": "%{x:.4g}, %{y:.4g}"}
         for rows, colour in zip(windows, colours, strict=True):
             name = f"{(recording.time_s[rows.start] - recording.time_s[0]) / 60:.1f} min"
-            few = slice(rows.start, rows.stop, max(1, (rows.stop - rows.start) // LOOP_POINTS))
-            traces.append(style.curve(x[few], y[few], colour, column, name=name, **shown))
+            every = max(1, (rows.stop - rows.start) // LOOP_POINTS)
+            few = unbroken(slice(rows.start, rows.stop, every), recording.time_s, recording.gaps)
+            traces.append(style.curve(at_rows(x, few), at_rows(y, few), colour, column, name=name, **shown))
     axes = style.side_by_side_axes([(x_title, y_title) for x_title, y_title, _, _ in panels])
     return style.figure(traces, height=400, **axes)
 
@@ -132,6 +134,18 @@ def stretches(time_s: FloatArray, count: int = LOOPS) -> list[slice]:
         return [slice(0, len(time_s))]
     begins = np.linspace(time_s[0], time_s[-1] - length_s, count)
     return [window(time_s, float(begin), float(begin) + length_s) for begin in begins]
+
+
+def unbroken(part: slice, time_s: FloatArray, gaps: Sequence[tuple[float, float]]) -> NDArray[np.intp]:
+    """The rows of a stretch, with -1 between two of them where nothing was recorded; see `at_rows`."""
+    rows = np.arange(part.start, part.stop, part.step or 1, dtype=np.intp)
+    cuts = np.searchsorted(time_s[rows], [end_s for _, end_s in gaps])
+    return np.insert(rows, cuts[(cuts > 0) & (cuts < len(rows))], -1)
+
+
+def at_rows(values: FloatArray, rows: NDArray[np.intp]) -> FloatArray:
+    """Values at `rows`, NaN (a gap in the line) at -1."""
+    return np.where(rows < 0, np.nan, values[rows])
 
 
 def shades(count: int) -> list[str]:

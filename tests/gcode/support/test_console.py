@@ -52,3 +52,31 @@ def test_the_ends_of_a_range_belong_to_it():
     assert [console.whole(1, 7)(text) for text in ("1", "7")] == [1, 7]
     with pytest.raises(argparse.ArgumentTypeError, match="from 1 to 7, got '8'"):
         console.whole(1, 7)("8")
+
+
+@pytest.mark.parametrize("cli", [gcode.cli, testbench.cli, compensation.cli])
+@pytest.mark.parametrize(
+    ("name", "text", "allowed"),
+    [
+        ("SOURCE_DATE_EPOCH", "abc", "0 to 99999999999"),
+        ("SOURCE_DATE_EPOCH", "", "0 to 99999999999"),
+        ("SOURCE_DATE_EPOCH", "9" * 400, "0 to 99999999999"),
+        ("NUMBA_NUM_THREADS", "0", "1 to 1024"),
+        ("NUMBA_NUM_THREADS", "-1", "1 to 1024"),
+    ],
+)
+def test_a_number_of_the_environment_that_is_none_is_a_sentence(cli, name, text, allowed, monkeypatch, capsys):
+    monkeypatch.setenv(name, text)
+    words = {gcode.cli: "play a.tap -o b", testbench.cli: "ladder a.json", compensation.cli: "export a.json -o b"}
+    assert cli.main(words[cli].split()) == 2
+    said = capsys.readouterr().err
+    assert f"error: {name} in the environment must be a whole number from {allowed}, got '{text}'; unset it" in said
+
+
+def test_numbers_of_the_environment_that_are_some_pass(monkeypatch):
+    for name in console.NUMBERS:
+        monkeypatch.delenv(name, raising=False)
+    console.check_environment()
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
+    monkeypatch.setenv("NUMBA_NUM_THREADS", "2")
+    console.check_environment()

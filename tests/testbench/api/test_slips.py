@@ -10,6 +10,7 @@ import pytest
 
 import gcode
 import testbench as tb
+from testbench.api.arguments import opened
 
 TIMES = {"time_s": [0, 1, 2], "displacement_mm": [0, 1, 0]}
 SLIPS = {
@@ -122,6 +123,72 @@ SLIPS = {
         lambda: tb.fit(tb.example(duration_s=20), tb.example(seed=2, duration_s=20), clamp_play_mm="0.1"),
         "clamp play: must be from 0 to 2.5 mm (10% of the gauge length), got '0.1'",
     ),
+    "another gauge length than the recording's": (
+        lambda: tb.fit(tb.example(duration_s=20), gauge_length_mm=30),
+        "this recording has a gauge length of 25 mm, got 30 mm; leave gauge_length_mm out, or",
+    ),
+    "another gauge length than that of what follows": (
+        lambda: tb.diagnose([tb.example(duration_s=20)] * 2, gauge_length_mm=24),
+        "a gauge length of 25 mm, got 24 mm",
+    ),
+    "another gauge length than a report's recording has": (
+        lambda: tb.make_report(tb.example(duration_s=20), gauge_length_mm=30),
+        "a gauge length of 25 mm, got 30 mm",
+    ),
+    "a gauge length as text beside a recording": (
+        lambda: tb.align(tb.example(duration_s=20), __file__, gauge_length_mm="25"),
+        "the gauge length must be a number of mm, got '25' (str)",
+    ),
+    "a data frame to hold out of a report": (
+        lambda: tb.make_report(tb.example(duration_s=20), held_out=tb.example(duration_s=20).to_frame()),
+        "got DataFrame; testbench.read makes a Recording of a data frame",
+    ),
+    "a rate as text, to play": (
+        lambda: gcode.play(gcode.generate("paper-1", seed=1, duration_s=20), rate_hz="a"),
+        "rate_hz must be a number, got 'a'",
+    ),
+    "a rate as text, to check": (
+        lambda: gcode.check(gcode.generate("paper-1", seed=1, duration_s=20), rate_hz="a"),
+        "rate_hz must be a number, got 'a'",
+    ),
+    "limits as a mapping": (
+        lambda: gcode.check(gcode.generate("paper-1", seed=1, duration_s=20), {"v_max_mm_per_s": 5}),
+        "limits must be of the class Limits, got dict; write Limits(**...) around the mapping",
+    ),
+    "instruments as a mapping": (
+        lambda: tb.simulate("pes", gcode.generate("paper-1", seed=1, duration_s=20), instruments={"clock": {}}),
+        "instruments must be of the class Instruments, got dict",
+    ),
+    "a rest as text": (
+        lambda: tb.diagnose(tb.example(duration_s=20), rest_s="a"),
+        "rest_s must be a number of 0 or more, got 'a'",
+    ),
+    "a rest as text, to simulate": (
+        lambda: tb.simulate("pes", gcode.generate("paper-1", seed=1, duration_s=20), rest_s="a"),
+        "rest_s must be a number of 0 or more, got 'a'",
+    ),
+    "one campaign where several may be": (
+        lambda: tb.simulate("pes", gcode.generate("paper-1", seed=1, duration_s=20), after="pes-1"),
+        "after: must be a list of paths of programs or campaigns, got 'pes-1'",
+    ),
+    "programs that were not written": (
+        lambda: tb.simulate("pes", "a.tap", after=[gcode.generate("paper-1", seed=1, duration_s=20)]),
+        "after: must be a list of paths of programs or campaigns, got [<Made paper-1",
+    ),
+    "a machine as a mapping": (
+        lambda: gcode.play(gcode.generate("paper-1", seed=1, duration_s=20), machine={"look_ahead_blocks": 2}),
+        "machine must be of the class Machine, got dict; write Machine(**...) around the mapping",
+    ),
+    "a speed as text": (
+        lambda: gcode.check("G21 G90 G94\nG0 X1\nM30\n", rapid_mm_per_s="a"),
+        "rapid_mm_per_s must be a number, got 'a'",
+    ),
+    "a share as text": (
+        lambda: tb.serve_rig("pes", gcode.generate("paper-1", seed=1, duration_s=20), faults="a"),
+        "faults must be a number, got 'a'",
+    ),
+    "a time as text": (lambda: tb.example(duration_s=20).between("a", 5), "start_s must be a number, got 'a'"),
+    "minutes as text": (lambda: tb.hide("none", "case", seed=1, minutes="a"), "minutes must be a number, got 'a'"),
     "a diagnosis that is none": (
         lambda: tb.contribution({}, "stress_relaxation", tb.example(duration_s=20)),
         "diagnosis: ",
@@ -161,3 +228,8 @@ def test_a_coordinate_that_is_none_is_refused_with_those_there_are():
     recording = tb.example(duration_s=60)
     with pytest.raises(tb.UserError, match=r"coordinate must be one of strain, .*; got 'speed'"):
         tb.compare(recording, tb.baseline()).plot(coordinate="speed")
+
+
+def test_the_gauge_length_that_a_recording_has_may_be_said_again():
+    recording = tb.example(duration_s=20)
+    assert opened(recording, 25) is opened(recording, None, usual_mm=30) is recording

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from gcode.support.errors import UserError
@@ -36,6 +37,27 @@ def written(folder, text, encoding="utf-8"):
 
 def imported(folder, text, encoding="utf-8", columns=None, units=None, **changes):
     return import_csv(written(folder, text, encoding), wish(columns, units, **changes)).recording
+
+
+def test_a_file_is_parsed_once(tmp_path, monkeypatch):
+    """To see whether a row has a cell beyond the last column, an ordinary file was parsed twice."""
+    read_csv, calls = pd.read_csv, []
+    monkeypatch.setattr(pd, "read_csv", lambda *given, **more: calls.append(given) or read_csv(*given, **more))
+    imported(tmp_path, GOOD)
+    assert len(calls) == 1
+
+
+def test_a_gauge_length_as_text_is_refused(tmp_path):
+    with pytest.raises(UserError, match=r"lab.csv: the gauge length must be a number of mm, got '40' \(str\)"):
+        imported(tmp_path, GOOD, gauge_length_mm="40")
+
+
+@pytest.mark.parametrize("above", ["", "Instron 5543\nsample, knit 3\n\n"])
+def test_a_quotation_mark_without_another_is_told_by_its_row(tmp_path, above):
+    rows = [*f"{above}{GOOD}".split("\n")[:-1], *(f"{0.3 + n / 10:.1f},1.0,0.3,800" for n in range(80))]
+    rows[60] = rows[60].replace("1.0", '"1.0')
+    with pytest.raises(UserError, match="a quotation mark in row 61 has no other that closes it; check the export"):
+        imported(tmp_path, "\n".join(rows))
 
 
 @pytest.mark.parametrize(

@@ -23,6 +23,7 @@ FINE = {
     "spaces": GOOD.replace(",", ", "),
     "a column of remarks": GOOD.replace("ohm\n", "ohm,note\n").replace("00\n", "00,fine\n"),
     "a comma that ends each row": GOOD.replace("\n", ",\n"),
+    "a comma that ends the header": GOOD.replace("ohm\n", "ohm,\n"),
 }
 BAD = {
     "": "the file is empty",
@@ -49,6 +50,9 @@ BAD = {
     GOOD.replace("_ohm", "_kohm"): "no column resistance_ohm, but one called 'resistance_kohm'",
     GOOD + "1,2,3,4,5,6\n": "row 5 has 6 cells, the rows above 4",
     HEAD + "0,0,0,1,\n1,0,0,1,\n": "row 2 has 5 cells, the header 4",
+    GOOD.replace("_ohm", "_ohm,").replace("900", "900,5"): "row 1 .* column 5 has numbers and no name; name it, or",
+    HEAD.replace("_ohm", "_ohm,") + "0,0,0,1,5\n1,0,0,1,x\n": "column 5 has numbers and no name",
+    GOOD.replace("0.5", '"0.5'): "a quotation mark in row 3 has no other that closes it; mend it",
     GOOD + "0.3,1.2": "row 5: force_N is nan",
 }
 
@@ -79,6 +83,13 @@ def test_other_channels_may_stand_beside_or_instead(tmp_path):
 def test_a_good_file_reads(tmp_path, text):
     recording = read_recording(written(tmp_path, text), 25.0)
     assert list(recording.channels) == ["displacement_mm", "force_N", "resistance_ohm"]
+    assert recording["force_N"].tolist() == [0.1, 0.2, 0.3]
+
+
+def test_numbers_of_the_rows_stand_in_a_column_without_a_name(tmp_path):
+    """As pandas writes them unless told not to."""
+    rows = [f"{number},{line}" for number, line in enumerate(GOOD.split()[1:])]
+    recording = read_recording(written(tmp_path, "\n".join([f",{HEAD[:-1]}", *rows])), 25.0)
     assert recording["force_N"].tolist() == [0.1, 0.2, 0.3]
 
 

@@ -7,6 +7,7 @@ import pytest
 from numpy.random import default_rng
 from pydantic import ValidationError
 
+from gcode.support.errors import first_problem
 from testbench.recordings.instruments import Divider, Encoder, LoadCell, SampleClock, Truth
 
 TIME = np.arange(0, 60, 0.005)
@@ -24,6 +25,26 @@ def test_the_clock_has_the_measured_mean_and_spread_of_rates():
     assert np.std(rates_hz) == pytest.approx(14.2, abs=0.4)
     assert (np.diff(times_s) > 0).all()
     assert 1379.5 < times_s[-1] <= 1380.0
+
+
+@pytest.mark.parametrize("rate_hz", [1.0, 5.0, 1000.0])
+def test_a_clock_of_another_rate_has_the_spread_as_the_same_share(rate_hz):
+    """14.2 Hz of 5 left 0.6 samples a second."""
+    assert SampleClock(rate_hz=rate_hz).rate_sd_hz / rate_hz == pytest.approx(14.2 / 41.5, rel=1e-12)
+    times_s = SampleClock(rate_hz=rate_hz).times(4000 / rate_hz, default_rng(1))
+    assert (len(times_s) - 1) / times_s[-1] == pytest.approx(rate_hz / (1 + (14.2 / 41.5) ** 2), rel=0.03)
+
+
+def test_the_spread_is_bit_for_bit_what_it_was_where_it_was_measured_or_given():
+    assert SampleClock() == SampleClock(rate_hz=41.5) == SampleClock(rate_sd_hz=14.2)
+    assert SampleClock().model_dump() == {"rate_hz": 41.5, "rate_sd_hz": 14.2}
+    assert SampleClock(rate_hz=5, rate_sd_hz=14.2).rate_sd_hz == 14.2
+
+
+def test_a_rate_that_is_none_is_refused_by_its_own_name():
+    with pytest.raises(ValidationError) as refused:
+        SampleClock(rate_hz="fast")
+    assert first_problem(refused.value).startswith("rate_hz: Input should be a valid number")
 
 
 def test_a_clock_without_jitter_ticks_evenly():

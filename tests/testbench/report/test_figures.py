@@ -12,6 +12,7 @@ import pytest
 
 import tests.testbench.report.samples as samples
 from compensation.paper.published import COMPENSATED
+from testbench.measurements.measurement import prepare
 from testbench.recordings.recording import Recording
 from testbench.report import overlays, sections, words
 from testbench.report.downsample import rows_to_draw, thinned, window
@@ -142,6 +143,59 @@ def test_a_time_series_is_broken_where_nothing_was_recorded():
     )
     for trace in recording_figures.time_series(gappy)["data"]:
         assert [20 < x < 40 for x, y in zip(trace["x"], trace["y"], strict=True) if np.isnan(y)] == [True]
+
+
+def with_a_gap() -> comparison_figures.Overlay:
+    """The overlay of the samples with nothing from 20 to 40 s."""
+    whole = samples.overlay()
+    return whole.within((whole.time_s < 20.0) | (whole.time_s > 40.0))
+
+
+def prediction_with_a_gap() -> Figure:
+    both = with_a_gap()
+    return diagnosis_figures.prediction(both.time_s, both.measured, both.modelled["baseline"])
+
+
+def alignment_with_a_gap() -> Figure:
+    both = with_a_gap()
+    return alignment_figures.alignment(both.time_s, both.strain, both.strain)
+
+
+@pytest.mark.parametrize(
+    "drawn",
+    [
+        lambda: comparison_figures.overlay(with_a_gap()),
+        lambda: ladder_figures.at_a_glance(with_a_gap(), samples.steps(), (10.0, 50.0)),
+        prediction_with_a_gap,
+        alignment_with_a_gap,
+    ],
+)
+def test_every_line_over_time_is_broken_where_nothing_was_recorded(drawn):
+    lines = [one for one in drawn()["data"] if len(one["x"]) > 10]
+    assert len(lines) > 2
+    for one in lines:
+        assert [20 < x < 40 for x, y in zip(one["x"], one["y"], strict=True) if np.isnan(y)] == [True]
+
+
+def test_loops_are_broken_where_nothing_was_recorded():
+    both = with_a_gap()
+    short = both.within(both.time_s < 60.0)  # one stretch
+    for one in comparison_figures.modelled_loops(short)["data"]:
+        assert np.isnan(one["y"]).sum() == np.isnan(one["x"]).sum() == 1
+    rows = recording_figures.unbroken(slice(0, 6, 2), np.array([0.0, 1, 2, 9, 10, 11]), [(2.0, 9.0)])
+    assert rows.tolist() == [0, 2, -1, 4]
+
+
+def test_what_was_made_up_in_a_gap_is_not_shown():
+    source = samples.recording()
+    kept = (source.time_s < 20.0) | (source.time_s > 40.0)
+    channels = {name: values[kept] for name, values in source.channels.items()}
+    measurement = prepare(replace(source, time_s=source.time_s[kept] + 100, channels=channels))
+    both = overlays.overlay_of(measurement, {})
+    assert ((both.time_s > 21) & (both.time_s < 39)).any()
+    shown = overlays.as_read(both, measurement)
+    assert [20 < middle < 40 for middle in np.mean(shown.gaps, axis=1)] == [True]
+    assert not ((shown.time_s > 21) & (shown.time_s < 39)).any()
 
 
 def test_a_recording_of_motion_alone_has_no_loops() -> None:

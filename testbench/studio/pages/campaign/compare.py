@@ -149,7 +149,7 @@ def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
     """As `testbench compare` does it, with pictures."""
     from testbench.api.models.comparing import compare
     from testbench.comparing.model_errors import rms_errors
-    from testbench.report.overlays import failings_of, overlay_of
+    from testbench.report.overlays import as_read, failings_of, overlay_of
     from testbench.results.model_file import load_model_file
 
     catalogue, path = studio.catalogue(), model_path(studio, c)
@@ -166,7 +166,8 @@ def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
         for one, model in drawn.items()
     }
     notes = _notes(studio, c, found) if judged.elsewhere and judged.from_s is None else []
-    return View(both, failing.comparison, failing.spots, failing.maps, rms, _parameters(file, label, second), notes)
+    shown, parameters = as_read(both, measurement), _parameters(file, label, second)
+    return View(shown, failing.comparison, failing.spots, failing.maps, rms, parameters, notes)
 
 
 def _notes(studio: Studio, c: str, found: ComparisonResult) -> list[str]:

@@ -1,0 +1,46 @@
+"""What a Python call was given, held against the kind that is wanted: one sentence where it is another."""
+
+from __future__ import annotations
+
+from numbers import Real
+from typing import Any, TypeVar
+
+from gcode.support.errors import UserError
+
+Wanted = TypeVar("Wanted")
+
+
+def number(name: str, value: Any, least: float | None = None) -> float:
+    """A number that was given, of Python or of numpy.
+
+    Parameters
+    ----------
+    name : str
+        Of the argument, with its unit, for the message.
+    value : float
+    least : float, optional
+        The smallest that is allowed; None: any, and what is no number (NaN), too.
+
+    Raises
+    ------
+    UserError
+        If it is none, or less than `least`.
+    """
+    if isinstance(value, bool) or not isinstance(value, Real) or not (least is None or float(value) >= least):
+        allowed = "" if least is None else f" of {least:g} or more"
+        raise UserError(f"{name} must be a number{allowed}, got {value!r}")
+    return float(value)
+
+
+def instance(name: str, value: Any, kind: type[Wanted]) -> Wanted:
+    """A value that is of the kind that is wanted.
+
+    Raises
+    ------
+    UserError
+        If it is not; a mapping of the right entries is not one either, and the message says how to make one of it.
+    """
+    if not isinstance(value, kind):
+        remedy = f"; write {kind.__name__}(**...) around the mapping" if hasattr(value, "items") else ""
+        raise UserError(f"{name} must be of the class {kind.__name__}, got {type(value).__name__}{remedy}")
+    return value
