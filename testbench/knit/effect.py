@@ -127,6 +127,8 @@ class Effect(BaseModel):
         Signals that it reads and does not remember: what it writes at a moment depends on them at that moment alone.
     per_recording : tuple of str
         Parameters that belong to one recording, not to the sensor (the phase of a hum): each has its own.
+    looks_ahead : bool
+        May show what is still to come by the time of the others, as an instrument does whose clock is fast.
     bends_a_law : bool
         What it changes in a reading depends on the strain, or on the load of the contacts, alone: a law of the base
         that is not quite the sensor's looks the same.
@@ -152,6 +154,7 @@ class Effect(BaseModel):
     nonlinear: ClassVar[bool] = False
     pointwise: ClassVar[tuple[str, ...]] = ()
     per_recording: ClassVar[tuple[str, ...]] = ()
+    looks_ahead: ClassVar[bool] = False
     bends_a_law: ClassVar[bool] = False
     in_base: ClassVar[bool] = False
     also_from: ClassVar[tuple[Mapping[str, float], ...]] = ()

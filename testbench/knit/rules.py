@@ -244,7 +244,7 @@ def knows_no_future(effect: Effect) -> str:
 
     (A `per_recording` shape may know how long it is.)
     """
-    if effect.per_recording:
+    if effect.per_recording or effect.looks_ahead:
         return ""
     signals = example_signals(0.05)
     half = len(signals["time_s"]) // 2
@@ -252,7 +252,7 @@ def knows_no_future(effect: Effect) -> str:
     early = applied(effect, {key: value[: half + 1] for key, value in signals.items()}, 0.05)
     for key, value in early.items():
         if not np.allclose(value[:half], out[key][:half], rtol=1e-9, atol=0):
-            return f"{key} depends on what happens later"
+            return f"{key} depends on what happens later; a clock that may be fast needs looks_ahead = True"
     return ""
 
 

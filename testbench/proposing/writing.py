@@ -126,8 +126,10 @@ def class_text(law: Law, name: str, grid: Grid) -> str:
     reads = tuple(dict.fromkeys([*term.reads, place.writes]))
     definitions = "".join(f"    {plain(line)}\n" for line in term.definitions)
     optional = '    optional_reads = ("temperature_C",)\n' if "temperature_C" in term.reads else ""
-    optional += "    nonlinear = True\n" if any(o.name == "dead band" for o in term.operators) else ""
-    if term.coordinate.name == "time" and any(o.name == "wave" for o in term.operators):
+    operators = {one.name for one in term.operators}
+    optional += "    nonlinear = True\n" if "dead band" in operators else ""
+    optional += "    looks_ahead = True\n" if "clock" in operators else ""
+    if term.coordinate.name == "time" and "wave" in operators:
         optional += '    per_recording = ("phase",)\n'  # a hum knows nothing of when a recording began
     return CLASS.format(
         cls="".join(part.capitalize() for part in name.split("_")),

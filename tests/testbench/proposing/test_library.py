@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -74,6 +75,14 @@ def test_every_operator_makes_an_effect_that_keeps_the_rules(operator: str):
     effect = effect_class(law, "my_law", GRID)()
     sharp = {"dead band", "switch", "stick"}  # what jumps is late by up to a sample, and that is all that is allowed
     assert [p for p in check(effect) if operator not in sharp or "rate" not in p] == []
+
+
+@pytest.mark.parametrize("skew", [-0.03, 0.03])
+def test_a_clock_may_be_fast_and_keeps_the_rules(skew: float):
+    law = law_of("conductance reading", "conductance", "clock")
+    effect = effect_class(replace(law, values={"skew": skew}), "my_law", GRID)()
+    assert effect.model_dump()["skew"] == skew
+    assert check(effect) == []
 
 
 def test_effects_of_a_law_go_from_process_to_process():
