@@ -12,7 +12,7 @@ import pytest
 
 import tests.testbench.report.samples as samples
 from compensation.paper.published import COMPENSATED
-from testbench.measurements.measurement import prepare
+from testbench.measurements.preparing import prepare
 from testbench.recordings.recording import Recording
 from testbench.report import overlays, sections, words
 from testbench.report.downsample import rows_to_draw, thinned, window
