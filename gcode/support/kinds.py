@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from numbers import Real
 from typing import Any, TypeVar
 
@@ -30,6 +31,19 @@ def number(name: str, value: Any, least: float | None = None) -> float:
         allowed = "" if least is None else f" of {least:g} or more"
         raise UserError(f"{name} must be a number{allowed}, got {value!r}")
     return float(value)
+
+
+def whole(name: str, value: Any, least: int) -> int:
+    """A whole number that was given, of Python or of numpy.
+
+    Raises
+    ------
+    UserError
+        If it is none, or less than `least`.
+    """
+    if isinstance(value, bool | str) or not hasattr(value, "__index__") or operator.index(value) < least:
+        raise UserError(f"{name} must be a whole number, {least} or more, got {value!r}")
+    return operator.index(value)
 
 
 def instance(name: str, value: Any, kind: type[Wanted]) -> Wanted:

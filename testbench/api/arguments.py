@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Iterable, Mapping
 from functools import reduce
 from pathlib import Path
@@ -125,19 +124,6 @@ def _numbers(name: str, values: Any) -> FloatArray:
 def _digest(*arrays: FloatArray) -> str:
     """Eight hexadecimal digits that tell recordings in memory apart: a model knows by name what it was fitted on."""
     return f"{reduce(lambda sum_, values: crc32(values.tobytes(), sum_), arrays, 0):08x}"
-
-
-def whole(name: str, value: int, least: int) -> int:
-    """A whole number that was given, of Python or of numpy.
-
-    Raises
-    ------
-    UserError
-        If it is none, or less than `least`.
-    """
-    if isinstance(value, bool | str) or not hasattr(value, "__index__") or operator.index(value) < least:
-        raise UserError(f"{name} must be a whole number, {least} or more, got {value!r}")
-    return operator.index(value)
 
 
 def opened(source: Source, gauge_length_mm: float | None, usual_mm: float | None = None) -> Recording:

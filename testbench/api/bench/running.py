@@ -14,8 +14,8 @@ from gcode.programs.make import Made
 from gcode.support.errors import UserError
 from gcode.support.files import write_text
 from gcode.support.html import card
-from gcode.support.kinds import instance, number
-from testbench.api.arguments import AnyModel, catalogue_of, model_file_of, model_name, whole
+from gcode.support.kinds import instance, number, whole
+from testbench.api.arguments import AnyModel, catalogue_of, model_file_of, model_name
 from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live
 from testbench.campaigns.clearing import vacant
 from testbench.campaigns.plan import Plan, programs_before

@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gcode.support.html import card
-from gcode.support.kinds import number
+from gcode.support.kinds import number, whole
 from gcode.support.strict import read_json
-from testbench.api.arguments import whole
 from testbench.recordings.channels import FORCE, RESISTANCE
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording

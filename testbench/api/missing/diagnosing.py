@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from gcode.support.errors import UserError
 from gcode.support.figures import panels, picture
 from gcode.support.html import card, frame_table
-from gcode.support.kinds import number
+from gcode.support.kinds import number, whole
 from testbench import diagnosis as core
 from testbench.api.arguments import (
     AnyModel,
@@ -21,7 +21,6 @@ from testbench.api.arguments import (
     model_file_of,
     recording_of,
     recordings_for,
-    whole,
 )
 from testbench.api.models.model_result import ModelResult
 from testbench.api.progress import Tell, telling

@@ -11,8 +11,9 @@ from gcode.support.errors import UserError
 from gcode.support.figures import picture
 from gcode.support.files import check_place, write_text
 from gcode.support.html import card, frame_table
+from gcode.support.kinds import whole
 from testbench import proposing as core
-from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for, whole
+from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
 from testbench.api.models.model_result import ModelResult
 from testbench.api.models.overlay import plot_overlay
 from testbench.api.progress import Tell, telling
