@@ -118,6 +118,9 @@ def shifted(conductance_S: FloatArray, log_change: FloatArray) -> FloatArray:
     return conductance_S * factor_of(log_change)
 
 
+LARGEST_LOG_CHANGE = 30.0  # keeps a wild fit finite
+
+
 def factor_of(log_change: FloatArray) -> FloatArray:
-    """Factor on the conductance that a change of its natural logarithm is; the cap (e^30) keeps a wild fit finite."""
-    return np.exp(np.clip(log_change, -30.0, 30.0))
+    """Factor on the conductance that a change of its natural logarithm is, up to `LARGEST_LOG_CHANGE` either way."""
+    return np.exp(np.clip(log_change, -LARGEST_LOG_CHANGE, LARGEST_LOG_CHANGE))

@@ -87,6 +87,13 @@ def noise_floor(values: FloatArray) -> float:
     return max(noise, rounding(values))
 
 
+def sixth_differences(x: FloatArray, lag: int) -> FloatArray:
+    """Over samples that are `lag` apart, shape (n - 6 lag,): no motion is left; white noise keeps its size."""
+    for _ in range(6):
+        x = x[lag:] - x[:-lag]
+    return x / np.sqrt(924)  # the squares of the weights, summed
+
+
 def without_lines(values: FloatArray) -> FloatArray:
     """Values whose frequencies do not stick out of their neighbourhood: without hums, and with all of the noise.
 

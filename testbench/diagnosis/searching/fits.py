@@ -19,6 +19,7 @@ from testbench.fitting.baseline import (
     with_zeros,
     without_shapes,
 )
+from testbench.fitting.evidence.coloured_noise import with_colour
 from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.fitting.evidence.jitter import jitter_of
 from testbench.fitting.evidence.laplace import fitted
@@ -75,7 +76,9 @@ class Fits:
         flexible = with_shapes(self.start, self.measurement, catalogue, like=start)
         without_jitter = likelihood_of(self.start, self.measurement, self.noise)
         first = fitted(flexible, without_jitter, self.reference, iterations=16)
-        self.jitter_s = jitter_of((self.start, first.model), measurement)
+        models = (self.start, first.model)
+        self.jitter_s = jitter_of(models, measurement)
+        self.noise = with_colour(self.noise, models, on_the_grid(measurement))
         self.likelihood = self.likelihood_on(self.measurement)
         self.flexible = fitted(first.model, self.likelihood, self.reference, first, iterations=16)
         # What the user has is the model as given; where its laws bend already, so does what it is compared with.

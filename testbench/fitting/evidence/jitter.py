@@ -10,7 +10,7 @@ from testbench.fitting import constants
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
-from testbench.measurements.noise_level import FEWEST, robust_sd, within_range
+from testbench.measurements.noise_level import FEWEST, robust_sd, sixth_differences, within_range
 
 JERK_S = 0.3  # a machine's jerks are quicker, strokes are slower
 RIPPLE_POINTS = 200  # over the strain, of a ripple: some five for each of forty turns of a screw
@@ -59,7 +59,7 @@ def _jitter(left: FloatArray, channel: str, measurement: Measurement, lag: int) 
     inner = slice(3 * lag, len(values) - 3 * lag)
     inside = (measurement.counts & within_range(values))[inner]
     speed = np.abs(np.gradient(modelled, measurement.signals["time_s"]))[inner][inside]
-    rough, of_motion = (_sixth_differences(x, lag)[inside] for x in (left, modelled))
+    rough, of_motion = (sixth_differences(x, lag)[inside] for x in (left, modelled))
     parts = _slower_halves(np.argsort(speed))
     by_law = np.array([constants.LAW_ERROR * robust_sd(of_motion[part]) for part in parts])
     variance = np.maximum(np.array([robust_sd(rough[part]) for part in parts]) ** 2 - by_law**2, 0.0)
@@ -69,13 +69,6 @@ def _jitter(left: FloatArray, channel: str, measurement: Measurement, lag: int) 
     # Readings rarer than the grid were interpolated: they show no noise, which must not make them certain.
     sure = np.sqrt([len(part) for part in parts]) / np.maximum(variance, 1e-6 * np.max(variance))
     return max(float(np.polyfit(square, variance, 1, w=sure)[0]), 0.0) ** 0.5
-
-
-def _sixth_differences(x: FloatArray, lag: int) -> FloatArray:
-    """Over samples that are `lag` apart, shape (n - 6 lag,); white noise keeps its standard deviation."""
-    for _ in range(6):
-        x = x[lag:] - x[:-lag]
-    return x / np.sqrt(924)  # the squares of the weights, summed
 
 
 def _slower_halves(ordered: np.ndarray) -> list[np.ndarray]:

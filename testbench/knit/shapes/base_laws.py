@@ -14,7 +14,7 @@ import numpy as np
 from testbench.knit.additive import ConductanceLaw, ForceLaw
 from testbench.knit.effect import FloatArray, Signals, Stage, parameter
 from testbench.knit.shapes.curves import CURVE_TERMS, LAW_TERMS, curve, curve_terms, kept_curve
-from testbench.knit.shapes.loops import LOOPS, WAYS, growth_terms, loops, loops_terms, two_ways, two_ways_terms
+from testbench.knit.shapes.loops import LOOPS, STOPS, WAYS, loops, loops_by_weight, two_ways
 
 DRIFT_TAUS_S = (3.0, 30.0, 300.0)
 DRIFT_BUMPS = 6
@@ -66,13 +66,15 @@ class ElasticityShape(ForceLaw):
 class HysteresisShape(ForceLaw):
     """Rate-independent loops of the force of any width, sharp or smooth, that may widen or narrow with strain.
 
-    F += sum_k (w_k + v_k e / span) z_k(e)
+    F += sum_k (w_k + v_k u + v'_k u^2) z_k(e) + sum_k q_k (u^2 - p_k^2) / r_k,   u = e / span
 
     z_k: stops (Prandtl-Ishlinskii), Bouc-Wen variables, and followers that close their gap over one length of travel
-    upwards and over another downwards (`testbench.knit.shapes.loops`).
+    upwards and over another downwards. p_k: position of a play of radius r_k; with its square the loops are those of
+    a Preisach operator whose density changes along the strain (`testbench.knit.shapes.loops`).
 
     Source: Kuhnen, Eur. J. Control 9 (2003) 407 (free Prandtl-Ishlinskii weights); Wen, J. Eng. Mech. Div. ASCE 102
-    (1976) 249; Valanis, Arch. Mech. 23 (1971) 517 (memory over travel). Valid: rate-independent loops.
+    (1976) 249; Valanis, Arch. Mech. 23 (1971) 517 (memory over travel); Brokate & Sprekels, Hysteresis and Phase
+    Transitions (1996), ch. 2 (Preisach). Valid: rate-independent loops.
     """
 
     name = "hysteresis_shape"
@@ -86,14 +88,16 @@ class HysteresisShape(ForceLaw):
     growth_N: tuple[float, ...] = parameter(
         (0.0,) * (2 * LOOPS), unit="N", low=-1e3, high=1e3, doc="its growth over the strain span and its square"
     )
+    positions_N: tuple[float, ...] = parameter(
+        (0.0,) * len(STOPS), unit="N", low=-1e3, high=1e3, doc="weight of the squared position of each play"
+    )
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain over which growth is counted")
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
-        return loops(signals["strain"], self.span, self.weights_N, self.growth_N)
+        return loops(signals["strain"], self.span, self.weights_N, self.growth_N, self.positions_N)
 
     def terms(self, parameter: str, signals: Signals) -> FloatArray:
-        terms = loops_terms if parameter == "weights_N" else growth_terms
-        return terms(signals["strain"], self.span)
+        return loops_by_weight(parameter.removesuffix("_N"), signals["strain"], self.span)
 
 
 class ContactShape(ConductanceLaw):
@@ -218,7 +222,7 @@ class ContactDriftShape(ConductanceLaw):
 class ContactLoopsShape(ConductanceLaw):
     """Rate-independent loops of ln G over strain: of any width, sharp or smooth, or with two curves for the two ways.
 
-    ln G += sum_k (w_k + v_k e / span) z_k(e) + sum_j z_j(e) curve_j(e / span),   z_k as in `hysteresis_shape`
+    ln G += loops of ln G, as those of F in `hysteresis_shape`, + sum_j z_j(e) curve_j(e / span)
 
     z_j are Bouc-Wen variables, -1 on the way back and 1 on the way out; the curves are those of `elasticity_shape`.
 
@@ -238,12 +242,14 @@ class ContactLoopsShape(ConductanceLaw):
     ways: tuple[float, ...] = parameter(
         (0.0,) * (len(WAYS) * LAW_TERMS), unit="1", low=-3, high=3, doc="curve by which the two ways differ"
     )
+    positions: tuple[float, ...] = parameter(
+        (0.0,) * len(STOPS), unit="1", low=-1, high=1, doc="weight of the squared position of each play"
+    )
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain over which growth is counted")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        e = signals["strain"]
-        return loops(e, self.span, self.weights, self.growth) + two_ways(e, self.span, self.ways)
+        e, span = signals["strain"], self.span
+        return loops(e, span, self.weights, self.growth, self.positions) + two_ways(e, span, self.ways)
 
     def terms(self, parameter: str, signals: Signals) -> FloatArray:
-        terms = {"weights": loops_terms, "growth": growth_terms, "ways": two_ways_terms}[parameter]
-        return terms(signals["strain"], self.span)
+        return loops_by_weight(parameter, signals["strain"], self.span)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from testbench.knit.effect import FloatArray
@@ -17,8 +19,10 @@ ONE_SIDED = ((0.05, 0.1), (0.1, 0.3), (0.1, 0.05), (0.3, 0.1))  # travel upwards
 LOOPS = len(STOPS) + len(SMOOTH) * len(SKEWS) + len(ONE_SIDED)
 
 
-def loops(e: FloatArray, span: float, weights: tuple[float, ...], growth: tuple[float, ...]) -> FloatArray:
-    """Sum of the operators, each weighted by w_k + v_k u + v'_k u^2 with u = e / span.
+def loops(
+    e: FloatArray, span: float, weights: tuple[float, ...], growth: tuple[float, ...], positions: tuple[float, ...]
+) -> FloatArray:
+    """Sum of the operators, each weighted by w_k + v_k u + v'_k u^2 with u = e / span, and of `positions_terms`.
 
     Parameters
     ----------
@@ -27,19 +31,29 @@ def loops(e: FloatArray, span: float, weights: tuple[float, ...], growth: tuple[
     weights : tuple of float, length `LOOPS`
     growth : tuple of float, length 2 `LOOPS`
         v, then v'.
+    positions : tuple of float, length of `STOPS`
     """
-    if not any(weights) and not any(growth):
-        return np.zeros_like(e)
-    if not any(growth):
-        return np.asarray(weights) @ _operators(e, span)
-    fixed, linear, square = np.reshape((*weights, *growth), (3, LOOPS)) @ _operators(e, span)
-    u = e / span
-    return fixed + (linear + square * u) * u
+    total = np.zeros_like(e)
+    if any(growth):
+        fixed, linear, square = np.reshape((*weights, *growth), (3, LOOPS)) @ _operators(e, span)
+        u = e / span
+        total += fixed + (linear + square * u) * u
+    elif any(weights):
+        total += np.asarray(weights) @ _operators(e, span)
+    if any(positions):
+        total += np.asarray(positions) @ positions_terms(e, span)
+    return total
 
 
-def loops_terms(e: FloatArray, span: float) -> FloatArray:
-    """What each of the `weights` of `loops` adds at weight 1, shape (LOOPS, n)."""
-    return _operators(e, span)
+def loops_by_weight(weights: str, e: FloatArray, span: float) -> FloatArray:
+    """What each weight of a vector of `loops` or `two_ways` adds at weight 1, shape (k, n); `weights` names it."""
+    terms: dict[str, Callable[[FloatArray, float], FloatArray]] = {
+        "weights": _operators,
+        "growth": growth_terms,
+        "positions": positions_terms,
+        "ways": two_ways_terms,
+    }
+    return terms[weights](e, span)
 
 
 def growth_terms(e: FloatArray, span: float) -> FloatArray:
@@ -49,6 +63,21 @@ def growth_terms(e: FloatArray, span: float) -> FloatArray:
     np.multiply(fixed, u, out=found[0])
     np.multiply(found[0], u, out=found[1])
     return found.reshape(-1, len(e))
+
+
+@Recent
+def positions_terms(e: FloatArray, span: float) -> FloatArray:
+    """What each weight of the `positions` of `loops` adds at weight 1, shape (len(STOPS), n).
+
+    (u^2 - p_k^2) / r_k, where p_k is where the play of radius r_k stands. Relays of one width, weighted by where they
+    lie, add up to the square of that position: with them the loops are those of a Preisach operator whose density
+    rises or falls with strain, and an excursion leaves an offset until a larger one wipes it out.
+
+    Source: Brokate & Sprekels, Hysteresis and Phase Transitions (1996), ch. 2 (a Preisach operator as curves over the
+    positions of plays).
+    """
+    stops, radius = _operators(e, span)[: len(STOPS)], np.array(STOPS)[:, None]
+    return stops * (2 * e / span - radius * stops)
 
 
 def two_ways_terms(e: FloatArray, span: float) -> FloatArray:

@@ -17,14 +17,7 @@ from tests.testbench.builders import record, truth
 EFFECTS = load_catalogue().effects
 MEASUREMENT = prepare(record(truth(), 60))
 BENT = with_shapes(truth(), MEASUREMENT)
-# Events, thresholds and corners: at single moments the slope on one side is not that on the other.
-CORNERS = {
-    "clamp_slip_once.when_s",
-    "clamp_slip_repeated.amount",
-    "contact_saturation_hard",
-    "adc_saturation",
-    "actuator_backlash.gap",
-}
+SINGLE_MOMENTS = 3  # of 1,200
 
 
 def model_with(name):
@@ -39,7 +32,7 @@ def model_with(name):
 def test_sensitivities_are_those_of_the_whole_model(name):
     model = model_with(name)
     every = free_parameters(model, shape_scales(MEASUREMENT))
-    parameters = FreeParameters(p for p in every if p.place[2] < 2 and p.address not in CORNERS)
+    parameters = FreeParameters(p for p in every if p.place[2] < 2)
     _, jacobian = sensitivities(model, parameters, MEASUREMENT, SimulationCache())
     start, plain = parameters.point_of(model), MEASUREMENT.modelled(model)
     for index, parameter in enumerate(parameters):
@@ -49,8 +42,10 @@ def test_sensitivities_are_those_of_the_whole_model(name):
         there = MEASUREMENT.modelled(FreeParameters([parameter]).model_at(model, start[index : index + 1] + step))
         for channel, rows in jacobian.items():
             whole = (there[channel] - plain[channel]) / step
+            # At a corner that a single moment lies on, the slope on one side is not that on the other.
+            off = np.sort((rows[index] - whole) ** 2)[:-SINGLE_MOMENTS]
             size = np.sqrt(np.mean(whole**2))
-            assert np.sqrt(np.mean((rows[index] - whole) ** 2)) < 0.03 * size + 1e-6, (parameter.address, channel)
+            assert np.sqrt(np.mean(off)) < 0.03 * size + 1e-6, (parameter.address, channel)
 
 
 def chain_of(model):
