@@ -87,7 +87,7 @@ def make_case(
     recipe = {k: v for k, v in locals().items() if k in make_case.__annotations__}
     check_arguments(strength, minutes, rate_hz, noise, protocol, channels)
     recorded = [CHANNELS[name] for name in channels]
-    specimen, records, hidden = _sensor(asked_for(effect, seed), seed, minutes, rate_hz, recorded)
+    specimen, records, hidden = make_sensor(asked_for(effect, seed), seed, minutes, rate_hz, recorded)
     floors = {name: FLOORS[name] * noise for name in recorded}
     sized, told = [], []
     for one in hidden:
@@ -107,10 +107,25 @@ def make_case(
     return Case(calibration, held_out, truth)
 
 
-def _sensor(
+def make_sensor(
     names: Sequence[str], seed: int, minutes: float, rate_hz: float, recorded: Sequence[str]
 ) -> tuple[Specimen, list[Record], list[Hidden]]:
-    """Specimen, its motions and the effects on it; each effect shows in a recorded channel."""
+    """Draw a specimen, move it for both recordings, and draw the effects on it.
+
+    Parameters
+    ----------
+    names : sequence of str
+        As `asked_for` gives them.
+    seed, minutes, rate_hz
+        As those of `make_case`.
+    recorded : sequence of str
+        ``force``, ``conductance`` or both.
+
+    Raises
+    ------
+    UserError
+        If an effect shows in no recorded channel.
+    """
     drawn = _felt(names, seed, recorded)
     records = [make_record(drawn, name, minutes, rate_hz) for name in RECORDINGS]
     force, log_r = plain(drawn, records[0])

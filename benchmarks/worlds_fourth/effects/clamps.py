@@ -62,7 +62,10 @@ def creeping(rng: Rng, specimen: Specimen) -> Effect:
 
 @_slip()
 def coulomb_jaw(rng: Rng, specimen: Specimen) -> Effect:
-    """Gives way as far as it must to keep the force below a share 1 - `size` of the largest."""
+    """Gives way as far as it must to keep the elastic force at or below a share 1 - `size` of its largest.
+
+    As it was first written, the jaw was to hold more with every mm of slip, but never did; it is kept as it acted.
+    """
     strains, forces = _grid(specimen)
 
     def act(s: State, e: Array, size: float) -> Array:

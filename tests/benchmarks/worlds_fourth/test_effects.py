@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from worlds_fourth import MECHANISMS, UNKNOWN_KINDS, Case, make_case
-from worlds_fourth.case import _sensor
+from worlds_fourth.case import make_sensor
 from worlds_fourth.effects.choice import KNOWN, UNKNOWN, choose_effect
 from worlds_fourth.effects.effect import Form
 from worlds_fourth.strength import FLOORS, strengths
@@ -14,7 +14,7 @@ from testbench.knit.catalogue import load_catalogue
 from testbench.recordings.channels import FORCE, RESISTANCE
 
 KINDS = [*MECHANISMS, *UNKNOWN_KINDS]
-SPECIMEN, (RECORD, _), _ = _sensor([], 5, 2.0, 40.0, ["force", "conductance"])
+SPECIMEN, (RECORD, _), _ = make_sensor([], 5, 2.0, 40.0, ["force", "conductance"])
 FILTERS = "channel_lag"  # a first-order filter is half a sample late even at no size
 
 
