@@ -3,13 +3,15 @@
     python benchmarks/bench_diagnosis.py                                 a taste: 6 cases
     python benchmarks/bench_diagnosis.py --simulator second --minutes 8  the same on the second, independent simulator
     python benchmarks/bench_diagnosis.py --simulator third --quick       on the third: final figures, not to tune by
+    python benchmarks/bench_diagnosis.py --simulator fourth --quick      on the fourth: not to tune by either
     python benchmarks/bench_diagnosis.py --quick                         every effect once, at 5x
     python benchmarks/bench_diagnosis.py --full --results r.jsonl -j 2   everything; resumes where it stopped
     python benchmarks/bench_diagnosis.py --results r.jsonl --report      only the tables of what is there
     python benchmarks/bench_diagnosis.py --kinds 60 --seeds 4 -j 2       short, slow, one channel, ...: any kind
 
-Strength is what the simulated sensor's own base laws cannot absorb, over the noise floor. The noise of the second
-and the third simulator is that of the paper's rig (5 mN, 8e-4 in ln G); --noise 3 makes it three times that.
+Strength is what the simulated sensor's own base laws cannot absorb, over the noise floor; in the fourth simulator it
+is over 5 mN and 4e-3 in ln G. The noise of the second, third and fourth simulator is that of the paper's rig (5 mN,
+8e-4 in ln G); --noise 3 makes it three times that.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import worlds_fourth
 import worlds_second
 import worlds_third
 from diagnosis_score import Row, score, tables
@@ -38,9 +41,9 @@ from testbench.worlds.base import WORLDS
 from testbench.worlds.motions import PROTOCOLS
 
 Diagnose = Callable[[Recording, Recording, Catalogue], Any]
-AnyCase = worlds.Case | worlds_second.Case | worlds_third.Case
+AnyCase = worlds.Case | worlds_second.Case | worlds_third.Case | worlds_fourth.Case
 # Simulators of one world each, named as they are: every seed draws its laws anew, noise 1 is that of the paper's rig.
-OF_ONE_WORLD = {"second": worlds_second, "third": worlds_third}
+OF_ONE_WORLD = {"second": worlds_second, "third": worlds_third, "fourth": worlds_fourth}
 PAIRS = (
     "stress_relaxation,channel_lag",
     "permanent_set,electrical_overshoot",
@@ -64,7 +67,7 @@ class Job:
     left_out: bool = False
     minutes: float = 23.0
     rate_hz: float = 40.0
-    noise: str = ""  # that of the simulator: any kind in the first, of the paper's rig in the second
+    noise: str = ""  # that of the simulator: any kind in the first, of the paper's rig in the others
     protocol: str = "perlin"
     channels: str = f"{FORCE},{RESISTANCE}"
 
@@ -113,7 +116,13 @@ def jobs_of(
                 jobs += [Job(name, s, world, next(sensors)) for name in (*outside, pair)]
                 jobs.append(Job(left_out, s, world, next(sensors), left_out=True))
     order = np.random.default_rng(0).permutation(len(jobs))
-    return [replace(jobs[k], minutes=like.minutes, rate_hz=like.rate_hz, noise=like.noise) for k in order]
+    how = {"minutes": like.minutes, "rate_hz": like.rate_hz, "noise": like.noise}
+    return [replace(jobs[k], protocol=usual_motion(jobs[k].simulator), **how) for k in order]
+
+
+def usual_motion(simulator: str) -> str:
+    """That of the paper's recordings (`Job.protocol`), or the first that the simulator has."""
+    return Job.protocol if Job.protocol in MOTIONS[simulator] else MOTIONS[simulator][0]
 
 
 ON_FORCE = (

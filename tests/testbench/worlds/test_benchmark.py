@@ -77,7 +77,7 @@ def test_the_second_simulator_makes_cases_of_its_own(bench):
     assert row["floor_said"] > 0
 
 
-@pytest.mark.parametrize("name", ["second", "third"])
+@pytest.mark.parametrize("name", ["second", "third", "fourth"])
 def test_a_simulator_of_one_world_makes_cases_of_any_kind_it_has(bench, name):
     jobs = bench.kinds_of(40, 0, name)
     effects, motions = bench.EFFECTS[name], bench.MOTIONS[name]
@@ -96,6 +96,20 @@ def test_the_third_simulator_makes_cases_of_its_own(bench):
         ["clamp_slip"],
         [pytest.approx(5.0, rel=0.1)],
     )
+
+
+def test_the_fourth_simulator_makes_cases_of_its_own(bench):
+    row = _row(bench, "clamp_slip", Fake("missing", "clamp_slip"), world="fourth", rate_hz=40.0, protocol="mixed")
+    assert (row["simulator"], row["hidden"]) == ("fourth", ["clamp_slip"])
+    assert row["floor_said"] > 0
+
+
+def test_the_cases_of_a_seed_have_sensors_and_motions_that_their_simulator_has(bench):
+    for name in ("matched", "second", "third", "fourth"):
+        simulator = bench.Job(world=name).simulator
+        jobs = bench.jobs_of(bench.EFFECTS[simulator], [15.0], [name], [5])
+        assert len({job.seed for job in jobs}) == len(jobs)
+        assert {job.protocol for job in jobs} == {"mixed" if name == "fourth" else "perlin"}
 
 
 def test_the_brier_score_and_the_calibration_error_are_those_of_the_formulas(bench):

@@ -1,0 +1,106 @@
+"""Cases of the fourth simulator: the same every time, with the noise asked for, each seed a sensor of its own."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from worlds_fourth import Case, make_case
+
+from gcode.support.errors import UserError
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
+
+SHORT = {"minutes": 2.0}
+
+
+def same(one: Case, other: Case) -> bool:
+    return all(
+        np.array_equal(a[name], b[name])
+        for a, b in ((one.calibration, other.calibration), (one.held_out, other.held_out))
+        for name in (DISPLACEMENT, FORCE, RESISTANCE)
+    )
+
+
+def test_a_seed_is_a_case() -> None:
+    one, again, other = (make_case("clamp_slip", 5.0, seed, **SHORT) for seed in (1, 1, 2))
+    assert same(one, again)
+    assert one.truth == again.truth
+    assert not same(one, other)
+    assert one.truth["base"] != other.truth["base"]
+    assert json.loads(json.dumps(one.truth)) == one.truth
+
+
+def test_nothing_is_hidden_where_nothing_is_asked_for() -> None:
+    weak, strong = (make_case("none", strength, 8, **SHORT) for strength in (5.0, 15.0))
+    assert same(weak, strong)
+    assert weak.truth["verdict"] == "nothing_missing"
+    assert weak.truth["effects"] == []
+
+
+def test_a_law_of_the_effect_is_drawn_by_the_seed_whatever_the_strength() -> None:
+    forms = [
+        [make_case("rate_resistance", strength, seed, **SHORT).truth["effects"][0]["form"] for seed in range(6)]
+        for strength in (1.0, 2.0)
+    ]
+    assert forms[0] == forms[1]
+    assert len(set(forms[0])) > 1
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_noise_is_as_asked(seed: int) -> None:
+    """Motion and sensor are the same, so what differs is noise: 10 times less 1 time."""
+    quiet, loud = (make_case("none", 5.0, seed, noise=noise, **SHORT) for noise in (1.0, 10.0))
+    for one, other in ((quiet.calibration, loud.calibration), (quiet.held_out, loud.held_out)):
+        assert np.std(other[FORCE] - one[FORCE]) == pytest.approx(9 * 0.005, rel=0.1)
+        assert np.std(np.log(other[RESISTANCE] / one[RESISTANCE])) == pytest.approx(9 * 8e-4, rel=0.1)
+    assert loud.truth["noise_floor"] == pytest.approx({"force": 0.05, "conductance": 8e-3})
+
+
+def test_the_recordings_are_of_one_sensor_and_move_on_their_own() -> None:
+    case = make_case("none", 5.0, 3, **SHORT)
+    for recording in (case.calibration, case.held_out):
+        assert recording.duration_s == pytest.approx(120, rel=0.03)
+        assert recording.mean_rate_hz == pytest.approx(41, rel=0.06)
+        assert recording.strain.max() == pytest.approx(case.truth["base"]["max_strain"], rel=0.05)
+        assert np.all(recording[RESISTANCE] > 0)
+    assert not np.array_equal(case.calibration[DISPLACEMENT][:1000], case.held_out[DISPLACEMENT][:1000])
+
+
+@pytest.mark.parametrize("rate_hz", [12.0, 100.0])
+def test_it_can_be_sampled_slower_and_faster(rate_hz: float) -> None:
+    assert make_case("none", 5.0, 3, rate_hz=rate_hz, **SHORT).held_out.mean_rate_hz == pytest.approx(
+        rate_hz, rel=0.06
+    )
+
+
+def test_one_channel_alone() -> None:
+    force = make_case("stress_relaxation", 2.0, 1, channels=[FORCE], **SHORT)
+    assert list(force.calibration.channels) == [DISPLACEMENT, FORCE]
+    assert list(force.truth["noise_floor"]) == ["force"]
+    for seed in range(8):  # the contacts feel the force, so an effect on it can be seen
+        case = make_case("stress_relaxation", 1.0, seed, channels=[RESISTANCE], **SHORT)
+        assert case.truth["effects"][0]["strength_reached"] > 0.3
+        assert case.truth["effects"][0]["main_channel"] == "conductance"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"effect": "gremlins"}, "no effect 'gremlins'; there are none, unknown, permanent_set"),
+        ({"effect": "slack:purple"}, "slack has no law 'purple'; it has too_long"),
+        ({"effect": "slack,slack,slack"}, "at most 2 effects at once, got 3"),
+        ({"protocol": "waltz"}, "no protocol 'waltz'; there is mixed"),
+        ({"rate_hz": 0.1}, "rate_hz must be between 10 and 100, got 0.1"),
+        ({"strength": -1.0}, "strength must be between 0.1 and 1000, got -1"),
+        ({"noise": float("nan")}, "noise must be between 0.1 and 30, got nan"),
+        ({"channels": ["pressure_Pa"]}, "got pressure_Pa"),
+        ({"channels": []}, "got none"),
+        ({"effect": "self_heating", "channels": [FORCE]}, "acts on the conductance alone, which is not recorded"),
+        ({"effect": "load_cell_creep", "channels": [RESISTANCE]}, "acts on the force alone, which is not recorded"),
+    ],
+)
+def test_what_makes_no_sense_is_said(arguments: dict[str, object], said: str) -> None:
+    with pytest.raises(UserError, match="make_case: ") as error:
+        make_case(**{"effect": "none", **SHORT, **arguments})  # type: ignore[arg-type]
+    assert said in str(error.value)
