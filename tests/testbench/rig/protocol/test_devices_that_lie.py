@@ -17,8 +17,8 @@ from testbench.rig.connection.parts import Chunk, End, Tick
 from testbench.rig.protocol.items import Row, channels_of
 from testbench.rig.protocol.stream import Anchor, Intake
 from testbench.rig.protocol.wire import MICROS_WRAP, SEQUENCE_WRAP, Sample, encode
-from tests.testbench.rig import test_stream
-from tests.testbench.rig.test_stream import STEP_US, events, fed, reasons, rows
+from tests.testbench.rig.protocol import test_stream
+from tests.testbench.rig.protocol.test_stream import STEP_US, events, fed, reasons, rows
 
 MINUTE_US = 60_000_000
 

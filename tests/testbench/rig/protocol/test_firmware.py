@@ -15,7 +15,7 @@ from testbench.rig.protocol.wire import MICROS_WRAP, Sample, encode
 from tests.testbench.rig.devices import PATIENCE_S
 
 HERE = Path(__file__).parent / "arduino"
-FIRMWARE = Path(__file__).parents[3] / "firmware" / "knitbench_rig"
+FIRMWARE = Path(__file__).parents[4] / "firmware" / "knitbench_rig"
 EXTREMES = [
     Sample(0, 0, 0, 0, 0, 0, 0),
     Sample(2**32 - 1, 2**32 - 1, 2**32 - 1, -(2**31), 10**15 - 1, -(2**31), -9_999_999),

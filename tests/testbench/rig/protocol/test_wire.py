@@ -32,7 +32,7 @@ def test_the_documented_example_is_what_encode_writes():
 
 
 def test_the_documents_show_a_true_line():
-    text = (Path(__file__).parents[3] / "docs" / "wire.md").read_text()
+    text = (Path(__file__).parents[4] / "docs" / "wire.md").read_text()
     assert LINE.decode().strip() in text
 
 

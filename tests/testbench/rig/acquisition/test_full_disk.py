@@ -26,8 +26,8 @@ from testbench.rig.acquisition.recorder import Limits
 from testbench.rig.acquisition.sink import ROOM_BYTES
 from testbench.rig.acquisition.status_words import terminal
 from testbench.rig.connection.parts import Chunk, End, Part
+from tests.testbench.rig.acquisition.test_recorder import bench_lines
 from tests.testbench.rig.rigs import PROGRAM_TEXT
-from tests.testbench.rig.test_recorder import bench_lines
 
 TRIANGLES = 30
 ROOM_FOR_ROWS = 40_000  # bytes; the recording needs twice as many
@@ -37,7 +37,7 @@ DISKS = {
     # Only root of the machine may have a loop device; the mount ends with the namespace.
     "ext4": (("unshare", "--mount"), 'truncate -s 3M "$1.img" && mkfs.ext4 -q -m 0 "$1.img" && mount "$1.img" "$1"'),
 }
-CALL = "import sys; from tests.testbench.rig.test_full_disk import fill; fill(*sys.argv[1:])"
+CALL = "import sys; from tests.testbench.rig.acquisition.test_full_disk import fill; fill(*sys.argv[1:])"
 
 
 def job_in(folder: Path) -> Job:
