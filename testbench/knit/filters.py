@@ -110,7 +110,9 @@ def log_conductance(conductance_S: FloatArray) -> FloatArray:
 
 def log_ratio(conductance_S: FloatArray, before_S: FloatArray) -> FloatArray:
     """Change of the natural logarithm of the conductance, finite where a wild fit has none left."""
-    return np.log(np.maximum(conductance_S, 1e-300) / np.maximum(before_S, 1e-300))
+    ratio = np.maximum(conductance_S, 1e-300)
+    ratio /= np.maximum(before_S, 1e-300)
+    return np.log(ratio, out=ratio)
 
 
 def shifted(conductance_S: FloatArray, log_change: FloatArray) -> FloatArray:
@@ -123,4 +125,5 @@ LARGEST_LOG_CHANGE = 30.0  # keeps a wild fit finite
 
 def factor_of(log_change: FloatArray) -> FloatArray:
     """Factor on the conductance that a change of its natural logarithm is, up to `LARGEST_LOG_CHANGE` either way."""
-    return np.exp(np.clip(log_change, -LARGEST_LOG_CHANGE, LARGEST_LOG_CHANGE))
+    capped = np.clip(log_change, -LARGEST_LOG_CHANGE, LARGEST_LOG_CHANGE, dtype=float)
+    return np.exp(capped, out=capped if capped.ndim else None)
