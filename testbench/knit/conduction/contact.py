@@ -51,5 +51,6 @@ class Contact(Effect):
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         pressing_N = positive_part(self.preload_N + signals["contact_force_N"], 0.1 * self.preload_N)
-        contact_ohm = self.contact_resistance_ohm * np.exp(-self.exponent * np.log(pressing_N))  # quicker than a power
+        # The power is made by its logarithm, which is quicker.
+        contact_ohm = self.contact_resistance_ohm * np.exp(-self.exponent * np.log(pressing_N))
         return {"conductance_S": self.parallel_S + 1.0 / (self.series_ohm + contact_ohm)}
