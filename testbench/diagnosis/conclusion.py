@@ -50,8 +50,7 @@ def concluded(
     verdict = first.verdict(whole_of(rounds, put_in))
     if verdict != "missing":
         put_in = []
-    whole = whole_of(rounds, put_in)
-    left = whole.left if whole else 1.0
+    left = first.left_everywhere(*put_in) if put_in else 1.0
     lead = leading(put_in)
     most, beside = rounds[lead], whole_of(rounds[lead:], put_in[lead:])
     after = _ladder(search, bare, put_in, before, calibration, held)
@@ -143,7 +142,9 @@ def _ranked(
     h, base = own.hypothesis, step.before.hypothesis
     gain = float(np.mean([2 * np.log(base.evidence.sigma[c] / s) for c, s in h.evidence.sigma.items()]))
     over = gain_interval(bare, block_energies(h.model, held))
-    return Ranked(own.mechanism, own.law, chance, step.added(own), gain, step.left(own), over, h.model[own.name])
+    return Ranked(
+        own.mechanism, own.law, chance, step.added(own), gain, step.left_everywhere(own), over, h.model[own.name]
+    )
 
 
 def _tied(chances: Mapping[str, float], verdict: Verdict) -> tuple[str, ...]:

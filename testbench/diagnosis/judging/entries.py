@@ -100,7 +100,7 @@ class Whole:
     log_prior_alike : float
         Log prior of these laws among those of the catalogue.
     left : float
-        Share of what they should explain that they leave.
+        Share of what they should explain that they leave, of the channels that they change.
     first : str
         The mechanism that was put in first.
     first_adds : float, optional

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
@@ -112,13 +112,18 @@ class Round:
     def _complete(self, entry: Entry, everywhere: bool = False) -> float:
         """How much likelier what an entry leaves is if no more is missing.
 
-        A law errs in proportion to what it does. It is asked for the channels that it changes: the others may lack
-        something else. That nothing is missing is asked of all.
+        A law errs in proportion to what it does. It is asked for the channels that it changes, and that nothing is
+        missing for all.
         """
         by_law, sigma = self.by_law(entry), entry.hypothesis.evidence.sigma
-        least = self.likelihood.least_misfit
-        asked = [c for c, some in by_law.items() if some > least[c] or everywhere] or list(sigma)
+        asked = sigma if everywhere else self.changed_by(entry)
         return self.likelihood.noise_log_prior({c: sigma[c] for c in asked}, by_law, entry.whole_part)
+
+    def changed_by(self, *put_in: Entry) -> list[str]:
+        """Channels that one of these laws changes by more than the least misfit; others may lack something else."""
+        least = self.likelihood.least_misfit
+        changed = {c for e in put_in for c, some in self.by_law(e).items() if some > least[c]}
+        return [c for c in least if c in changed or not changed]
 
     def added(self, entry: Entry) -> float:
         """Log evidence that an entry adds to the model so far, whatever it leaves."""
@@ -127,11 +132,21 @@ class Round:
     def left(self, *put_in: Entry) -> float:
         """Share of what laws should explain that the last of them leaves, one put in after the other.
 
-        That is the error above the least misfit (an error of that size is none), or what the laws change themselves
-        where the base has bent to do the same.
+        They are asked for the channels that they change.
         """
-        left, before = (excess(e.hypothesis, self.likelihood) for e in (put_in[-1], self.before))
-        by_laws = sum(squared(e.own_part, self.likelihood) for e in put_in)
+        return self._left_in(self.changed_by(*put_in), put_in)
+
+    def left_everywhere(self, *put_in: Entry) -> float:
+        """The same of all channels."""
+        return self._left_in(self.likelihood.floor, put_in)
+
+    def _left_in(self, channels: Iterable[str], put_in: Sequence[Entry]) -> float:
+        """The error above the least misfit (an error of that size is none), as a share of what it was before.
+
+        Or of what the laws change themselves, where the base has bent to do the same.
+        """
+        left, before = (excess(e.hypothesis, self.likelihood, channels) for e in (put_in[-1], self.before))
+        by_laws = sum(squared(e.own_part, self.likelihood, channels) for e in put_in)
         return float(np.sqrt(max(left - 1.0, 0.0) / max(before, by_laws, 1.0)))
 
     def is_all(self, put_in: Entry) -> bool:
@@ -292,13 +307,13 @@ def explained(without: Hypothesis, with_it: Hypothesis) -> dict[str, float]:
     return {c: float(np.sqrt(max(before[c] ** 2 - after[c] ** 2, 0.0))) for c in before}
 
 
-def squared(change: Mapping[str, float], likelihood: Likelihood) -> float:
+def squared(change: Mapping[str, float], likelihood: Likelihood, channels: Iterable[str]) -> float:
     """What a law changes, squared, in units of the least that one leaves, summed over the channels."""
     least = likelihood.least_misfit
-    return sum((size / least[c]) ** 2 for c, size in change.items())
+    return sum((change.get(c, 0.0) / least[c]) ** 2 for c in channels)
 
 
-def excess(h: Hypothesis, likelihood: Likelihood) -> float:
-    """Squared error above the least that a law leaves, in units of it, summed over the channels."""
-    least = likelihood.least_misfit
-    return sum(max((sigma / least[c]) ** 2 - 1, 0.0) for c, sigma in h.evidence.sigma.items())
+def excess(h: Hypothesis, likelihood: Likelihood, channels: Iterable[str] | None = None) -> float:
+    """Squared error above the least that a law leaves, in units of it, summed over the channels; default all."""
+    least, sigma = likelihood.least_misfit, h.evidence.sigma
+    return sum(max((sigma[c] / least[c]) ** 2 - 1, 0.0) for c in channels or sigma)

@@ -1,7 +1,7 @@
 """How large the noise at a grid point is where the noise of an instrument is coloured: a filter went over it.
 
 Neighbours resemble each other then. From sample to sample such noise looks smaller than it is, and the mean of a few
-samples is less quiet than that of white ones. From one point of the grid to the next but one it is white again.
+samples is less quiet than that of white ones. From one point of the grid to the next most of that is forgotten.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.noise_level import FEWEST, robust_sd, sixth_differences, within_range, without_lines
 
-APART = 2  # points of the grid: quicker than motion, slower than the filters of instruments
+FARTHEST = 4  # points of the grid over which errors of a model have grown
 
 
 def with_colour(noise: Mapping[str, float], models: Sequence[KnitModel], grid: Measurement) -> dict[str, float]:
-    """The noise at a grid point, per channel: at least what all models leave over `APART` points.
+    """The noise at a grid point, per channel: at least what all models leave from one point to the next.
 
     Parameters
     ----------
@@ -30,16 +30,26 @@ def with_colour(noise: Mapping[str, float], models: Sequence[KnitModel], grid: M
         On the grid of the comparison.
     """
     left = [grid.residual(model) for model in models]
-    return {c: max(own, min(_over_some_points(one[c], c, grid) for one in left)) for c, own in noise.items()}
+    return {c: max(own, min(_from_point_to_point(one[c], c, grid) for one in left)) for c, own in noise.items()}
 
 
-def _over_some_points(left: FloatArray, channel: str, grid: Measurement) -> float:
-    """Standard deviation of what a model leaves, but for motion, errors of its laws, and a hum, which is foretold."""
+def _from_point_to_point(left: FloatArray, channel: str, grid: Measurement) -> float:
+    """Standard deviation of the noise in what a model leaves.
+
+    The errors of a model grow with the distance of the points, in their variance at least as it does; noise does not.
+    A hum may be larger over one distance than over another.
+    """
     values = grid.measured[channel]
-    inside = (grid.counts & within_range(values))[3 * APART : -3 * APART]
-    if inside.sum() < FEWEST:
+    if (grid.counts & within_range(values)).sum() < 10 * FEWEST:
         return 0.0
-    rough, of_motion = (sixth_differences(x, APART)[inside] for x in (left, values - left))
+    first, second, *others = (_variance(left, values, grid, apart) for apart in range(1, FARTHEST + 1))
+    growth = max(*others, second) - second
+    return max(min(first, second) - growth / 2, 0.0) ** 0.5
+
+
+def _variance(left: FloatArray, values: FloatArray, grid: Measurement, apart: int) -> float:
+    """Of what a model leaves, over points so far apart, but for what its laws err by and a hum, which is foretold."""
+    inside = (grid.counts & within_range(values))[3 * apart : -3 * apart]
+    rough, of_motion = (sixth_differences(x, apart)[inside] for x in (left, values - left))
     noise = min(robust_sd(rough), robust_sd(without_lines(rough)))
-    by_law = constants.LAW_ERROR * robust_sd(of_motion)
-    return max(noise**2 - by_law**2, 0.0) ** 0.5
+    return noise**2 - (constants.LAW_ERROR * robust_sd(of_motion)) ** 2
