@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from testbench.comparing.tables import ladder_table
 from testbench.comparing.words import percent, spoken
 from testbench.diagnosis.judging.probabilities import NOTHING, UNKNOWN
+from testbench.diagnosis.judging.rounds import LEFT_AT_MOST
 from testbench.diagnosis.result import Diagnosis, Ranked
 
 SHOWN = 6
@@ -39,7 +40,7 @@ def first_line(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "nothing_missing":
         return f"nothing is missing ({percent(chances[NOTHING])}){_bent(diagnosis)}{_elsewhere(diagnosis)}"
     if diagnosis.verdict == "missing":
-        return f"missing: {_found(diagnosis)}; {_left(diagnosis.left)}{_elsewhere(diagnosis)}"
+        return f"missing: {_found(diagnosis)}; {_left(diagnosis.left)}{_where(diagnosis)}{_elsewhere(diagnosis)}"
     first = diagnosis.ranking[0]
     if first.probability > chances[UNKNOWN]:
         return f"unknown: {_too_little(first)}{_depends(diagnosis)}"
@@ -79,7 +80,7 @@ def _nearest(first: Ranked) -> str:
 def _elsewhere(diagnosis: Diagnosis) -> str:
     """What is said where a model that is right on its own recording fails on the held-out one."""
     errors = diagnosis.after.history[-1]["errors"]
-    times = {c: errors["held_out"][c] / errors["calibration"][c] for c in errors["held_out"]}
+    times = {c: errors["held_out"][c] / errors["calibration"][c] for c in _changed(diagnosis)}
     worst = max(times, key=lambda c: times[c])
     if times[worst] < FAILS:
         return ""
@@ -89,6 +90,19 @@ def _elsewhere(diagnosis: Diagnosis) -> str:
     return (
         f"{fails}that recording shows what this one does not. Diagnose it as well, or one that has the motion of both"
     )
+
+
+def _where(diagnosis: Diagnosis) -> str:
+    """In which channel most is left, where what was found explains another one."""
+    others = [c for c in diagnosis.after.history[-1]["errors"]["calibration"] if c not in _changed(diagnosis)]
+    return f", nearly all of it in the {others[0]}" if others and diagnosis.left > LEFT_AT_MOST else ""
+
+
+def _changed(diagnosis: Diagnosis) -> list[str]:
+    """Channels whose error is clearly smaller for what was found; all of them where none is."""
+    history = diagnosis.after.history
+    without, now = (history[k]["errors"]["calibration"] for k in (max(-1 - len(diagnosis.found), -len(history)), -1))
+    return [c for c in now if now[c] < WORTH_SAYING * without[c]] or list(now)
 
 
 def listed(names: Sequence[str]) -> str:

@@ -26,6 +26,7 @@ from testbench.fitting import constants
 from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.fitting.evidence.likelihood import Likelihood
 
+LEFT_AT_MOST = 0.5  # of what laws should explain, by those that are named
 EITHER = -float(np.log(2))  # log prior of each of two that are as likely
 Verdict = Literal["missing", "nothing_missing", "unknown"]
 
@@ -298,7 +299,7 @@ class Round:
             return False
         chances = self.probabilities(whole)
         left = whole.left if whole else self.left(self.candidate)
-        return chances[NOTHING] + chances[UNKNOWN] < 0.5 and left <= 0.5
+        return chances[NOTHING] + chances[UNKNOWN] < 0.5 and left <= LEFT_AT_MOST
 
 
 def explained(without: Hypothesis, with_it: Hypothesis) -> dict[str, float]:

@@ -46,6 +46,27 @@ def test_a_law_that_does_not_carry_over_is_told():
     assert "held out the error of the force is 15 times as large: what was found does not carry over" in said
 
 
+def test_what_explains_one_channel_says_where_the_rest_is():
+    """A lag of the force; the conductance wanders, in the held-out recording as well."""
+    steps = [({"force": 0.02, "conductance": 0.01}, {"force": 0.02, "conductance": 0.05})]
+    steps.append(({"force": 0.005, "conductance": 0.01}, {"force": 0.006, "conductance": 0.05}))
+    history = [{"errors": {"calibration": own, "held_out": other}} for own, other in steps]
+    lag = Found("channel_lag", "channel_lag_force", 0.85, 60.0)
+    said = first_line(
+        SimpleNamespace(  # type: ignore[arg-type]
+            verdict="missing",
+            probabilities={"channel_lag": 0.85},
+            found=(lag,),
+            tied=(),
+            left=0.66,
+            after=SimpleNamespace(history=history),
+        )
+    )
+    assert said == (
+        "missing: channel lag (85 %); 66 % of the error above the noise is left, nearly all of it in the conductance"
+    )
+
+
 def test_where_nothing_is_missing_the_other_recording_shows_more():
     assert "held out the error of the force is 15 times as large: that recording shows" in line(
         "nothing_missing", 0.15
