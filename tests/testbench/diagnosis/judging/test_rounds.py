@@ -227,6 +227,17 @@ def test_a_law_is_asked_for_the_channels_that_it_changes():
     assert not a_round(before, after).is_named()
 
 
+def test_a_law_that_explains_one_channel_is_named_though_the_other_lacks_much():
+    """And what is left is told of both."""
+    before, after = entry("", BARE, 0.0), entry("stress_relaxation", 1.3, 100.0)
+    for one in (before, after):
+        one.hypothesis.evidence.sigma = {**one.hypothesis.evidence.sigma, "conductance": 20 * FLOOR["conductance"]}
+    found = a_round(before, after)
+    assert found.verdict() == "missing"
+    assert found.left(after) < 0.05
+    assert found.left_everywhere(after) == pytest.approx(0.93, abs=0.01)
+
+
 @pytest.mark.parametrize(
     ("explained", "verdict"),
     [
