@@ -290,7 +290,7 @@ class Round:
         """What is said of the model before this round; `whole` as in `probabilities`."""
         if self.is_named(whole):
             return "missing"
-        chances = self.probabilities()
+        chances = self.doubted()  # as it is told
         return "nothing_missing" if chances[NOTHING] >= chances[UNKNOWN] else "unknown"
 
     def is_named(self, whole: Whole | None = None) -> bool:

@@ -64,6 +64,13 @@ def test_nothing_is_not_said_where_one_channel_is_left_at_twice_the_noise():
     assert found.verdict() == "unknown"
 
 
+def test_of_nothing_and_unknown_the_verdict_is_what_is_told_as_more_probable():
+    for floors in np.linspace(1.9, 2.2, 61):  # in the middle of which the two are tied
+        found = a_round(entry("", floors, 0.0), entry("self_heating", floors, 0.5))
+        told = found.doubted()
+        assert (found.verdict() == "nothing_missing") == (told[NOTHING] >= told[UNKNOWN])
+
+
 def test_where_the_base_leaves_noise_nothing_is_missing():
     found = a_round(entry("", 1.25, 0.0), entry("self_heating", 1.25, 2.0))
     assert found.verdict() == "nothing_missing"
