@@ -222,9 +222,10 @@ class ContactDriftShape(ConductanceLaw):
 class ContactLoopsShape(ConductanceLaw):
     """Rate-independent loops of ln G over strain: of any width, sharp or smooth, or with two curves for the two ways.
 
-    ln G += loops of ln G, as those of F in `hysteresis_shape`, + sum_j z_j(e) curve_j(e / span)
+    ln G += sum_k (w_k + v_k u + v'_k u^2) z_k(e) + sum_j z_j(e) curve_j(u),   u = e / span
 
-    z_j are Bouc-Wen variables, -1 on the way back and 1 on the way out; the curves are those of `elasticity_shape`.
+    z_k as in `hysteresis_shape`; z_j are Bouc-Wen variables, -1 on the way back and 1 on the way out; the curves are
+    those of `elasticity_shape`.
 
     Source: as `hysteresis_shape`. Valid: rate-independent loops.
     """
@@ -242,14 +243,11 @@ class ContactLoopsShape(ConductanceLaw):
     ways: tuple[float, ...] = parameter(
         (0.0,) * (len(WAYS) * LAW_TERMS), unit="1", low=-3, high=3, doc="curve by which the two ways differ"
     )
-    positions: tuple[float, ...] = parameter(
-        (0.0,) * len(STOPS), unit="1", low=-1, high=1, doc="weight of the squared position of each play"
-    )
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain over which growth is counted")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         e, span = signals["strain"], self.span
-        return loops(e, span, self.weights, self.growth, self.positions) + two_ways(e, span, self.ways)
+        return loops(e, span, self.weights, self.growth) + two_ways(e, span, self.ways)
 
     def terms(self, parameter: str, signals: Signals) -> FloatArray:
         return loops_by_weight(parameter, signals["strain"], self.span)

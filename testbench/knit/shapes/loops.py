@@ -20,7 +20,11 @@ LOOPS = len(STOPS) + len(SMOOTH) * len(SKEWS) + len(ONE_SIDED)
 
 
 def loops(
-    e: FloatArray, span: float, weights: tuple[float, ...], growth: tuple[float, ...], positions: tuple[float, ...]
+    e: FloatArray,
+    span: float,
+    weights: tuple[float, ...],
+    growth: tuple[float, ...],
+    positions: tuple[float, ...] = (),
 ) -> FloatArray:
     """Sum of the operators, each weighted by w_k + v_k u + v'_k u^2 with u = e / span, and of `positions_terms`.
 
@@ -31,7 +35,7 @@ def loops(
     weights : tuple of float, length `LOOPS`
     growth : tuple of float, length 2 `LOOPS`
         v, then v'.
-    positions : tuple of float, length of `STOPS`
+    positions : tuple of float, length of `STOPS`, optional
     """
     total = np.zeros_like(e)
     if any(growth):
