@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from testbench.comparing.ladder import step_before
 from testbench.comparing.tables import ladder_table
 from testbench.comparing.words import percent, spoken
 from testbench.diagnosis.judging.probabilities import NOTHING, UNKNOWN
@@ -101,8 +102,9 @@ def _where(diagnosis: Diagnosis) -> str:
 def _changed(diagnosis: Diagnosis) -> list[str]:
     """Channels whose error is clearly smaller for what was found; all of them where none is."""
     history = diagnosis.after.history
-    without, now = (history[k]["errors"]["calibration"] for k in (max(-1 - len(diagnosis.found), -len(history)), -1))
-    return [c for c in now if now[c] < WORTH_SAYING * without[c]] or list(now)
+    without = step_before({"history": history, "found": diagnosis.found})
+    before, now = (step["errors"]["calibration"] for step in (without, history[-1]))
+    return [c for c in now if now[c] < WORTH_SAYING * before[c]] or list(now)
 
 
 def listed(names: Sequence[str]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
@@ -141,7 +141,7 @@ class Round:
         """The same of all channels."""
         return self._left_in(self.likelihood.floor, put_in)
 
-    def _left_in(self, channels: Iterable[str], put_in: Sequence[Entry]) -> float:
+    def _left_in(self, channels: Collection[str], put_in: Sequence[Entry]) -> float:
         """The error above the least misfit (an error of that size is none), as a share of what it was before.
 
         Or of what the laws change themselves, where the base has bent to do the same.
@@ -308,13 +308,13 @@ def explained(without: Hypothesis, with_it: Hypothesis) -> dict[str, float]:
     return {c: float(np.sqrt(max(before[c] ** 2 - after[c] ** 2, 0.0))) for c in before}
 
 
-def squared(change: Mapping[str, float], likelihood: Likelihood, channels: Iterable[str]) -> float:
+def squared(change: Mapping[str, float], likelihood: Likelihood, channels: Collection[str]) -> float:
     """What a law changes, squared, in units of the least that one leaves, summed over the channels."""
     least = likelihood.least_misfit
     return sum((change.get(c, 0.0) / least[c]) ** 2 for c in channels)
 
 
-def excess(h: Hypothesis, likelihood: Likelihood, channels: Iterable[str] | None = None) -> float:
+def excess(h: Hypothesis, likelihood: Likelihood, channels: Collection[str] | None = None) -> float:
     """Squared error above the least that a law leaves, in units of it, summed over the channels; default all."""
     least, sigma = likelihood.least_misfit, h.evidence.sigma
     return sum(max((sigma[c] / least[c]) ** 2 - 1, 0.0) for c in channels or sigma)

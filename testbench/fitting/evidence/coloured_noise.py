@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from testbench.fitting import constants
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
@@ -40,16 +42,17 @@ def _from_point_to_point(left: FloatArray, channel: str, grid: Measurement) -> f
     A hum may be larger over one distance than over another.
     """
     values = grid.measured[channel]
-    if (grid.counts & within_range(values)).sum() < 10 * FEWEST:
+    counting = grid.counts & within_range(values)
+    if counting.sum() < 10 * FEWEST:
         return 0.0
-    first, second, *others = (_variance(left, values, grid, apart) for apart in range(1, FARTHEST + 1))
+    first, second, *others = (_variance(left, values, counting, apart) for apart in range(1, FARTHEST + 1))
     growth = max(*others, second) - second
     return max(min(first, second) - growth / 2, 0.0) ** 0.5
 
 
-def _variance(left: FloatArray, values: FloatArray, grid: Measurement, apart: int) -> float:
+def _variance(left: FloatArray, values: FloatArray, counting: np.ndarray, apart: int) -> float:
     """Of what a model leaves, over points so far apart, but for what its laws err by and a hum, which is foretold."""
-    inside = (grid.counts & within_range(values))[3 * apart : -3 * apart]
+    inside = counting[3 * apart : -3 * apart]
     rough, of_motion = (sixth_differences(x, apart)[inside] for x in (left, values - left))
     noise = min(robust_sd(rough), robust_sd(without_lines(rough)))
     return noise**2 - (constants.LAW_ERROR * robust_sd(of_motion)) ** 2
