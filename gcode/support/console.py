@@ -74,6 +74,7 @@ def main(prog: str, description: str, package: str, commands: Sequence[str], arg
     streams.make_ready()
     for name, value in KEPT_OUT.items():
         os.environ.setdefault(name, value)
+    os.environ["MPLBACKEND"] = "agg"  # pictures go to files; a notebook's backend may not be there in its shell
     words = list(sys.argv[1:] if argv is None else argv)
     # Only the called sub-command is imported; --help needs them all.
     chosen = [words[0]] if words and words[0] in commands else list(commands)

@@ -17,6 +17,7 @@ from typing import Any
 
 from gcode.support import disk
 from gcode.support.errors import UserError
+from gcode.support.kinds import path_of
 
 MANIFEST = "datapackage.json"  # the name that Frictionless gives it
 MEASURED = frozenset((b"displacement_mm", b"force_N", b"resistance_ohm"))  # columns of a recording
@@ -34,7 +35,7 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
     UserError
         If the folder does not exist or cannot be written.
     """
-    path = Path(path)
+    path = path_of(path)
     _check_replaceable(path)
     temporary = _sibling(path)
     try:
@@ -71,7 +72,7 @@ def check_place(path: str | Path | None, flag: str = "-o", overwrite: bool = Fal
     """
     if path is None or str(path) == "-":
         return
-    _check_replaceable(Path(path), flag, overwrite)
+    _check_replaceable(path_of(path), flag, overwrite)
     try:
         folder = Path(path).resolve().parent
         there, free = folder.is_dir(), os.access(folder, os.W_OK | os.X_OK, effective_ids=True)
@@ -134,9 +135,7 @@ def existing_file(path: str | Path, what: str = "file") -> Path:
     UserError
         If it is no path, or a folder, a pipe or a device, or nothing is there.
     """
-    if not isinstance(path, str | os.PathLike):
-        raise UserError(f"got {type(path).__name__}, not the path of a {what}")
-    path = Path(path)
+    path = path_of(path, what)
     if path.is_dir():
         raise UserError(f"{path}: a folder, no {what}")
     if not path.is_file():
@@ -163,7 +162,7 @@ def write_bytes(path: str | Path, data: bytes, *, recorded: bool = False) -> Non
 @contextlib.contextmanager
 def atomic_writer(path: str | Path, *, recorded: bool = False) -> Iterator[Callable[[bytes], None]]:
     """Yield a function that writes the next bytes of a file; `path` becomes that file when the block ends well."""
-    path = Path(path)
+    path = path_of(path)
     if not recorded:
         _check_replaceable(path)
     temporary = _sibling(path)
@@ -247,7 +246,7 @@ def write_json(path: str | Path, data: Any) -> None:
 
 def make_folder(path: str | Path) -> Path:
     """Create a folder (and its parents); a refusal is a `UserError`."""
-    path = Path(path)
+    path = path_of(path, "folder")
     try:
         path.mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:  # ValueError: a zero byte in its name

@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 import operator
+import os
 from numbers import Real
+from pathlib import Path
 from typing import Any, TypeVar
 
 from gcode.support.errors import UserError
 
 Wanted = TypeVar("Wanted")
+
+
+def path_of(path: str | Path, what: str = "file") -> Path:
+    """What a person gave as the path of a `what`; anything else is a `UserError`."""
+    if not isinstance(path, str | os.PathLike):
+        raise UserError(f"got {type(path).__name__}, not the path of a {what}")
+    return Path(path)
 
 
 def number(name: str, value: Any, least: float | None = None) -> float:

@@ -20,6 +20,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
 from gcode.support.errors import UserError, first_problem
+from gcode.support.kinds import path_of
 
 MOST_BYTES = 256 << 20
 MOST_TOML_BYTES = 1 << 20
@@ -82,8 +83,7 @@ def blocks_of(path: str | Path, what: str = "file", at_most: int | None = None) 
 
 def open_plain(path: str | Path, what: str = "file") -> int:
     """A handle on a plain file, open for reading; see `read_bytes`. Opening a pipe would wait for ever."""
-    if not isinstance(path, str | os.PathLike):
-        raise UserError(f"got {type(path).__name__}, not the path of a {what}")
+    path = path_of(path, what)
     try:
         handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     except (OSError, ValueError) as error:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from gcode.support.files import existing_file
+from gcode.support.kinds import path_of
 from testbench.api.bench.running import CampaignResult
 from testbench.campaigns import record as campaigns
 from testbench.campaigns.clearing import vacant
@@ -114,7 +115,7 @@ def record(
     ...         print(str(error).partition(":")[0])
     /dev/no-such-port
     """
-    folder, port = Path(folder), stated_port(port)
+    folder, port = path_of(folder, "folder"), stated_port(port)
     vacant(folder)
     program = existing_file(program, "program; make one with `gcode generate`")
     check_beside(program)
@@ -165,7 +166,7 @@ def resume_recording(
     ...         print(str(error).partition(": ")[2])
     this campaign was simulated; only a recorded one can be continued
     """
-    folder = Path(folder)
+    folder = path_of(folder, "campaign")
     return _recorded(job_of(folder, port, give_up_s), folder, True, compensator, report, stopped)
 
 

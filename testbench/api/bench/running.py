@@ -14,7 +14,7 @@ from gcode.programs.make import Made
 from gcode.support.errors import UserError
 from gcode.support.files import write_text
 from gcode.support.html import card
-from gcode.support.kinds import instance, number, whole
+from gcode.support.kinds import instance, number, path_of, whole
 from testbench.api.arguments import AnyModel, catalogue_of, model_file_of, model_name
 from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live
 from testbench.campaigns.clearing import vacant
@@ -171,7 +171,7 @@ def run(
     ...     made.recording.gauge_length_mm
     25.0
     """
-    folder, earlier, own = Path(folder), earlier_runs(after), Path(effects) if effects else None
+    folder, earlier, own = path_of(folder, "folder"), earlier_runs(after), Path(effects) if effects else None
     name = model_name(model)
     knit = model_file_of(model, catalogue_of(own)).model
     with program_file(program) as path:

@@ -11,6 +11,7 @@ from typing import Literal
 
 from gcode.support.errors import UserError
 from gcode.support.files import refuse_links, write_json
+from gcode.support.kinds import path_of
 from gcode.support.strict import validated
 from testbench.api.arguments import AnyModel, Effects, catalogue_of, model_file_of, model_name
 from testbench.api.experiments.investigation import InvestigationResult
@@ -121,7 +122,7 @@ def investigate(
     >>> len(found.state.runs)
     1
     """
-    folder, catalogue = Path(folder), catalogue_of(effects)
+    folder, catalogue = path_of(folder, "folder"), catalogue_of(effects)
     hidden = None if sensor is None else model_file_of(sensor, catalogue).model
     own_effects = Path(effects) if isinstance(effects, str | Path) else None
     if resume:

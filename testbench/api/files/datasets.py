@@ -11,6 +11,7 @@ from gcode.support.console import MOST_PROCESSES, Progress
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder
 from gcode.support.html import card, frame_table
+from gcode.support.kinds import path_of
 from testbench.campaigns.datasets.cluster import cluster
 from testbench.campaigns.datasets.dataset import OneAtATime, run, write_index, write_parquet
 from testbench.campaigns.datasets.index import is_campaign, listed
@@ -125,9 +126,9 @@ def dataset(
         raise UserError(f"format: must be one of {', '.join(FORMATS)}, got {format!r}")
     if workers != -1 and not 1 <= workers <= MOST_PROCESSES:
         raise UserError(f"workers: must be 1 to {MOST_PROCESSES}, or -1 for one a core, got {workers}")
-    spec = Path(spec)
+    spec, folder = path_of(spec, "TOML file"), path_of(folder, "folder")
     wanted = read_spec(spec)
-    if is_campaign(Path(folder)):
+    if is_campaign(folder):
         raise UserError(f"{folder}: is a campaign itself; choose another folder for the data set with -o")
     out = make_folder(folder)
     with OneAtATime(out):

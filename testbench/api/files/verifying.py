@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from gcode.support.errors import UserError
 from gcode.support.html import card
+from gcode.support.kinds import path_of
 from testbench.campaigns.datasets.index import INDEX, index_problems
 from testbench.campaigns.datasets.parquet import PARQUET
 from testbench.campaigns.remake import made_again
@@ -150,7 +151,7 @@ def verify(
     ...     before, tb.verify(folder).intact
     (True, False)
     """
-    folder, own = Path(folder), Path(effects) if effects else None
+    folder, own = path_of(folder, "campaign"), Path(effects) if effects else None
     if (folder / PARQUET).exists():
         say_once(
             f"{folder / PARQUET}: not verified, these files carry no checksum; `testbench dataset` writes them anew"

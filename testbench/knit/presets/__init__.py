@@ -45,6 +45,8 @@ def preset(name: str) -> KnitModel:
     >>> first["elasticity"].stiffness_N == second["elasticity"].stiffness_N
     False
     """
+    if not isinstance(name, str):
+        raise UserError(f"preset: must be one of {', '.join(names())}, got {name!r}")
     kind, at, number = name.partition("@")
     if kind not in names():
         raise UserError(f"no sensor preset called {kind}; there are {', '.join(names())}")

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import os
+import subprocess
+import sys
 
 import pytest
 
@@ -80,3 +83,11 @@ def test_numbers_of_the_environment_that_are_some_pass(monkeypatch):
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
     monkeypatch.setenv("NUMBA_NUM_THREADS", "2")
     console.check_environment()
+
+
+def test_a_backend_of_matplotlib_that_is_not_there_stops_no_picture(tmp_path):
+    words = [sys.executable, "-m", "gcode", "generate", "--preset", "paper-1", "--seed", "1", "--duration-s", "20"]
+    there = {**os.environ, "MPLBACKEND": "abc"}
+    said = subprocess.run([*words, "--plot", "-o", str(tmp_path)], env=there, capture_output=True, text=True)
+    assert said.returncode == 0, said.stderr
+    assert (tmp_path / "trajectory.png").read_bytes().startswith(b"\x89PNG")

@@ -93,6 +93,10 @@ SLIPS = {
     ),
     "effects that are none": (lambda: tb.fit("a.csv", effects=7), "classes of your own effects, got 7"),
     "a number for a file": (lambda: gcode.read(5), "got int, not the path of a program"),
+    "a number for a campaign": (lambda: tb.verify(5), "got int, not the path of a campaign"),
+    "a number for a folder": (lambda: gcode.generate("paper-1", seed=1, duration_s=20).write(5), "path of a folder"),
+    "a number for the campaigns to make": (lambda: tb.dataset(5, "knits"), "got int, not the path of a TOML file"),
+    "a number for a preset": (lambda: tb.preset(5), "preset: must be one of lycra, pes, got 5"),
     "a force of another name and unit": (
         lambda: tb.read(pd.DataFrame(TIMES | {"Force (kN)": [0, 1, 2]}), 25),
         "column 'Force (kN)' is not taken for the force; call it force_N, in N, or leave it out",
