@@ -287,11 +287,14 @@ class Round:
         return self._log_prior_bend(e) + EITHER > self.log_prior(e.mechanism)
 
     def verdict(self, whole: Whole | None = None) -> Verdict:
-        """What is said of the model before this round; `whole` as in `probabilities`."""
+        """What is said of the model before this round; `whole` as in `probabilities`.
+
+        A mechanism that is probable and explains too little is no name, but something is missing.
+        """
         if self.is_named(whole):
             return "missing"
-        chances = self.doubted()  # as it is told
-        return "nothing_missing" if chances[NOTHING] >= chances[UNKNOWN] else "unknown"
+        nothing, unknown = (self.doubted()[name] for name in (NOTHING, UNKNOWN))  # as they are told
+        return "nothing_missing" if nothing >= unknown and nothing + unknown >= 0.5 else "unknown"
 
     def is_named(self, whole: Whole | None = None) -> bool:
         """Whether some mechanism is more probable than nothing and unknown together, and explains most."""

@@ -71,6 +71,17 @@ def test_of_nothing_and_unknown_the_verdict_is_what_is_told_as_more_probable():
         assert (found.verdict() == "nothing_missing") == (told[NOTHING] >= told[UNKNOWN])
 
 
+def test_a_law_that_is_probable_and_leaves_most_is_no_name_and_something_is_missing():
+    much = replace(
+        entry("stress_relaxation", 0.6 * BARE, 100.0), whole_part={"force": 0.6}
+    )  # of which it may err by 5 %
+    found = a_round(entry("", BARE, 50.0), much)
+    told = found.doubted()
+    assert told["stress_relaxation"] > 0.8
+    assert told[NOTHING] > told[UNKNOWN]  # both have what all evidence is doubted by
+    assert found.verdict() == "unknown"
+
+
 def test_where_the_base_leaves_noise_nothing_is_missing():
     found = a_round(entry("", 1.25, 0.0), entry("self_heating", 1.25, 2.0))
     assert found.verdict() == "nothing_missing"
