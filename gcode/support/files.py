@@ -72,9 +72,10 @@ def check_place(path: str | Path | None, flag: str = "-o", overwrite: bool = Fal
     """
     if path is None or str(path) == "-":
         return
-    _check_replaceable(path_of(path), flag, overwrite)
+    path = path_of(path)
+    _check_replaceable(path, flag, overwrite)
     try:
-        folder = Path(path).resolve().parent
+        folder = path.resolve().parent
         there, free = folder.is_dir(), os.access(folder, os.W_OK | os.X_OK, effective_ids=True)
     except (OSError, RuntimeError, ValueError) as error:
         raise UserError(f"cannot write {path}: {error}; choose another place with {flag}") from None

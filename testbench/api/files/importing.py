@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from gcode.support.errors import UserError
 from gcode.support.files import check_place, existing_file
 from gcode.support.html import card
+from gcode.support.kinds import path_of
 from testbench.campaigns.clearing import check_vacant, vacant
 from testbench.importing import from_file
 from testbench.importing.imported import Imported, place_of, write_import
@@ -61,8 +62,8 @@ class ImportResult:
 
     def places(self, out: str | Path) -> tuple[Path, ...]:
         """Where `write` puts each recording: ``knit-3`` for the repeat 3 of several in ``knit``."""
-        several = len(self.imported) > 1
-        return tuple(place_of(Path(out), one.label if several else "") for one in self.imported)
+        several, out = len(self.imported) > 1, path_of(out, "folder or CSV")
+        return tuple(place_of(out, one.label if several else "") for one in self.imported)
 
     def write(self, out: str | Path, overwrite: bool = False) -> tuple[Path, ...]:
         """Write each recording as a campaign folder, or as a plain CSV where `out` ends in ``.csv``.

@@ -293,7 +293,8 @@ class Round:
         """
         if self.is_named(whole):
             return "missing"
-        nothing, unknown = (self.doubted()[name] for name in (NOTHING, UNKNOWN))  # as they are told
+        told = self.doubted()
+        nothing, unknown = told[NOTHING], told[UNKNOWN]
         return "nothing_missing" if nothing >= unknown and nothing + unknown >= 0.5 else "unknown"
 
     def is_named(self, whole: Whole | None = None) -> bool:

@@ -86,22 +86,9 @@ def test_numbers_of_the_environment_that_are_some_pass(monkeypatch):
 
 
 def test_a_backend_of_matplotlib_that_is_not_there_stops_no_picture(tmp_path):
-    words = [
-        "-m",
-        "gcode",
-        "generate",
-        "--preset",
-        "paper-1",
-        "--seed",
-        "1",
-        "--gauge-length-mm",
-        "25",
-        "--duration-s",
-        "20",
-        "--plot",
-        "-o",
-    ]
+    what = ["--preset=paper-1", "--seed=1", "--gauge-length-mm=25", "--duration-s=20", "--plot"]
+    words = [sys.executable, "-m", "gcode", "generate", *what, "-o", str(tmp_path)]
     there = {**os.environ, "MPLBACKEND": "abc"}
-    said = subprocess.run([sys.executable, *words, str(tmp_path)], env=there, capture_output=True, text=True)
+    said = subprocess.run(words, env=there, capture_output=True, text=True)
     assert said.returncode == 0, said.stderr
     assert (tmp_path / "trajectory.png").read_bytes().startswith(b"\x89PNG")

@@ -72,9 +72,8 @@ def test_of_nothing_and_unknown_the_verdict_is_what_is_told_as_more_probable():
 
 
 def test_a_law_that_is_probable_and_leaves_most_is_no_name_and_something_is_missing():
-    much = replace(
-        entry("stress_relaxation", 0.6 * BARE, 100.0), whole_part={"force": 0.6}
-    )  # of which it may err by 5 %
+    changes_N = {"force": 0.6}  # by 5 % of which it may err
+    much = replace(entry("stress_relaxation", 0.6 * BARE, 100.0), whole_part=changes_N)
     found = a_round(entry("", BARE, 50.0), much)
     told = found.doubted()
     assert told["stress_relaxation"] > 0.8
