@@ -301,7 +301,7 @@ static inline void {name}_remember({name}_state *s, float x, float dt_s, float *
         s->lost[i] = (next - s->forced[i]) - step;
         s->forced[i] = next;
         s->fading[i] = (s->fading[i] < 1.0e-12f) ? 0.0f : (s->fading[i] - (gain * s->fading[i]));
-        if ((s->seen == 1u) || (s->elapsed < {name}_start_steps[i])) {{
+        if ((first != 0u) || (s->elapsed < {name}_start_steps[i])) {{
             s->start[i] += (x - s->start[i]) / (float)s->seen;
         }}
         features[i] = s->forced[i] + (s->fading[i] * ({name}_begin_offset[i] + ({name}_begin_gain[i] * s->start[i])));

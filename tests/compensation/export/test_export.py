@@ -99,10 +99,24 @@ def test_irregular_and_resampled_agree(compensator, recordings):
 @pytest.mark.parametrize("irregular", [False, True])
 def test_c_header_compiled_equals_python(compensator, recordings, tmp_path, irregular):
     recording = recordings[2] if irregular else recordings[2].resampled(20.0)
+    assert_c_equals_python(compensator, recording, tmp_path)
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc on this machine")
+@pytest.mark.parametrize("slower", ["every step", "the second sample"])
+def test_c_header_equals_python_where_only_the_first_sample_starts_filters(compensator, recordings, tmp_path, slower):
+    """A slow meter, or a loose contact after the first sample, passes every filter's start in one step."""
+    recording = recordings[2].resampled(20.0)
+    steps = np.full(len(recording.time_s), 30.0 if slower == "every step" else 0.05)
+    steps[1] = 30.0
+    assert_c_equals_python(compensator, replace(recording, time_s=np.cumsum(steps)), tmp_path)
+
+
+def assert_c_equals_python(compensator, recording, folder: Path) -> None:
     steps = np.diff(recording.time_s, prepend=recording.time_s[0])
     lines = "\n".join(f"{g!r} {dt!r}" for g, dt in zip(recording.conductance_S.tolist(), steps.tolist(), strict=True))
     np.testing.assert_allclose(
-        from_c(compensator, lines, tmp_path),
+        from_c(compensator, lines, folder),
         streamed(compensator, recording),
         atol=PROMISED * compensator.scaling_out.scale,
     )
