@@ -230,7 +230,7 @@ class _Ridge:
 
 
 def _memories(standardised: FloatArray, rate_hz: float) -> FloatArray:
-    return np.hstack([smooth(column, smoothing_factors(), rate_hz) for column in standardised.T])
+    return np.hstack([smooth(column, smoothing_factors(), rate_hz, start="causal") for column in standardised.T])
 
 
 def _parts(count: int, groups: Any) -> dict[Hashable, NDArray[np.intp]]:

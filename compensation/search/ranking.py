@@ -48,7 +48,8 @@ def rank(rows: Sequence[dict[str, Any]]) -> list[Ranked]:
     ones among them; a candidate of which every drawn seed is dead is last in that draw.
     """
     groups: dict[str, list[dict[str, Any]]] = defaultdict(list)
-    for row in rows:
+    # In the order in which the workers were done, a ranking would depend on how many they were.
+    for row in sorted(rows, key=lambda row: (row["key"], row["seed"])):
         groups[row["key"]].append(row)
     rng = np.random.default_rng(0)
     live = {key: [row for row in group if not row["dead"]] or group for key, group in groups.items()}

@@ -121,6 +121,9 @@ def make(spec: TrajectorySpec, seed: int, gauge_length_mm: float, feed_mode: Fee
     UserError
         If the request cannot be planned, or the program does not pass its own check.
     """
+    # A header takes numbers of Python only.
+    seed = seed.item() if isinstance(seed, np.integer) else seed
+    gauge_length_mm = gauge_length_mm.item() if isinstance(gauge_length_mm, np.number) else gauge_length_mm
     for reserve in _RESERVES:
         made, problems = _attempt(spec, seed, gauge_length_mm, feed_mode, reserve)
         if not problems:

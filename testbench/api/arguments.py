@@ -248,7 +248,8 @@ def model_file_of(model: AnyModel, catalogue: Catalogue) -> ModelFile:
     file = ModelFile(model, 0.0) if isinstance(model, KnitModel) else getattr(model, "file", model)
     if not isinstance(file, ModelFile):
         raise UserError(
-            f"model: must be a KnitModel, a result of fit or diagnose, a model.json or a preset; got {model!r}"
+            f"model: must be a KnitModel, a result of fit or diagnose, a model.json or a preset; "
+            f"got {type(model).__name__}"
         )
     return file
 

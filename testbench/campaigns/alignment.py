@@ -105,7 +105,7 @@ def _coarse(time_s: FloatArray, seen_mm: FloatArray, planned_mm: FloatArray) -> 
     lag, quality = best_lag(seen_mm, planned_mm)
     lags = _tracked(seen_mm, planned_mm, lag, quality)
     if len(lags) < 2:
-        return lag / ALIGNED_HZ - time_s[0], 0.0
+        return lag / ALIGNED_HZ + time_s[0], 0.0
     centre_s, lag_s = (np.array(column) / ALIGNED_HZ for column in zip(*lags, strict=True))
     # The line through the windows' lags, by the median of its slopes: a window may have matched another cycle.
     i, j = np.triu_indices(len(lag_s), 1)

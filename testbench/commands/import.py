@@ -29,7 +29,7 @@ COLUMNS = (
 UNITS = (
     ("time", "s, ms, us, min, h, or date for dates and times"),
     ("displacement", "mm, um, cm, m, in"),
-    ("strain", "1, %%"),
+    ("strain", "1, %%, ‰, µε"),
     ("force", "N, mN, cN, kN, gf, kgf, lbf"),
     ("resistance", "ohm, mohm, kohm, Mohm"),
     ("conductance", "S, mS, uS, nS"),

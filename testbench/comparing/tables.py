@@ -22,7 +22,9 @@ def fit_table(file: ModelFile) -> str:
     for address, entry in fit["parameters"].items():
         if "[" in address:
             continue
-        rows.append(f"  {address:<38} {entry['value']:>12.5g} ± {entry['standard_error']:<10.2g} {entry['unit']}")
+        # Where a bound holds a parameter, nothing is known of its error.
+        error = "" if address in fit["at_bound"] else f"± {entry['standard_error']:.2g}"
+        rows.append(f"  {address:<38} {entry['value']:>12.5g} {error:<12} {entry['unit']}")
     rows += [f"  {name:<38} (shape weights)" for name in sorted(vectors)]
     scalar = [name for name in fit["unidentified"] if "[" not in name]
     if fit["at_bound"]:

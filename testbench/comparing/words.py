@@ -31,6 +31,8 @@ def where_in_words(coordinate: str, cell: Cell) -> str:
     if coordinate == "strain":
         return f"between {span(100 * low, 100 * high)} % strain{doing}".replace(" to ", " and ", 1)
     if coordinate == "largest_strain":
+        if 100 * (high - low) < 0.05:
+            return f"once the knit has seen {100 * high:.1f} % strain{doing}"
         return f"when the knit has seen at most {span(100 * low, 100 * high)} % strain{doing}"
     if coordinate == "strain_rate":
         moving = "stretching" if low + high > 0 else "releasing"

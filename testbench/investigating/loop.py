@@ -178,7 +178,9 @@ class _Loop:
         earlier = range(1, number) if settings.specimen == "aged" else ()
         past = [program_folder(self.folder, k) / "program.tap" for k in earlier]
         self.watcher.tell(f"run {number}: program {program_folder(self.folder, number) / 'program.tap'}")
-        begun_s = now_s()
+        # A run that was broken off goes on: the rest before it ended when it was first begun.
+        begun_s = self.state.runs[-1].begun_s or now_s()
+        self._keep(self.state.with_run(number - 1, self.state.runs[-1].model_copy(update={"begun_s": begun_s})))
         order = Order(
             program_folder(self.folder, number) / "program.tap",
             run_folder(self.folder, number),

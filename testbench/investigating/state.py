@@ -24,7 +24,7 @@ SURE, SPENT = "sure", "the time is spent"
 Positive = Annotated[float, Field(gt=0, le=1e9)]
 Chance = Annotated[float, Field(ge=0, le=1 + 1e-9)]
 Noise = Annotated[float, Field(ge=1e-12, le=1e9)]  # N or ln S
-Rest = Annotated[float, Field(ge=0, le=1e5)]
+Rest = Annotated[float, Field(ge=0, le=1e9)]  # s; of an investigation that went on after weeks, too
 Seconds = Annotated[float, Field(gt=0, le=2 * 24 * 3600)]
 
 
@@ -147,6 +147,8 @@ class RunState(StrictModel):
         Rest before it; None for a fresh specimen. Known once it was recorded.
     expected_nats, perlin_nats : float or None
         What it was expected to tell, and what random motion would have; None where it was not designed.
+    begun_s, ended_s : float or None
+        When it was first begun, and ended, by the clock.
     """
 
     words: Remark
@@ -155,6 +157,7 @@ class RunState(StrictModel):
     expected_nats: float | None = None
     perlin_nats: float | None = None
     recorded: bool = False
+    begun_s: Annotated[float, Field(ge=0, le=1e12)] | None = None
     ended_s: Annotated[float, Field(ge=0, le=1e12)] | None = None
     belief: BeliefState | None = None
 

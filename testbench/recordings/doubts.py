@@ -8,7 +8,7 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.recordings.channels import FORCE
+from testbench.recordings.channels import DISPLACEMENT, FORCE
 from testbench.recordings.recording import Recording
 
 ABRUPT = 10.0  # times the steps beside it: where sampling is slowed down in a hold, steps grow little by little
@@ -137,8 +137,14 @@ def say_sign(recording: Recording) -> None:
     if related < AGAINST:
         say_once(
             f"{recording.source}: force falls as the displacement rises (correlation {related:.2f}): does one of "
-            "them run the wrong way? `testbench import --negate force` turns it"
+            f"them run the wrong way? `testbench import --negate {_below_zero(recording)}` turns it"
         )
+
+
+def _below_zero(recording: Recording) -> str:
+    """The channel that is turned, for it lies below zero the more: a knit is stretched, and pulls."""
+    lowest = {name: np.min(recording[name]) / np.max(np.abs(recording[name])) for name in (FORCE, DISPLACEMENT)}
+    return "displacement" if lowest[DISPLACEMENT] < min(lowest[FORCE], -0.5) else "force"
 
 
 def say_once(text: str) -> None:

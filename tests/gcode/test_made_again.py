@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
 import pytest
 
+import gcode
 from gcode.cli import main
 from gcode.mach4.controller import Machine
 from gcode.mach4.seal import seal_problem, sealed
@@ -209,3 +211,9 @@ def test_noise_of_any_preset_is_genuine_in_both_feed_modes():
     for mode in ("G94", "G93"):
         result, origin = check_file(make(spec, 3, 25.0, mode).program, spec.limits)
         assert (result.ok, origin.genuine) == (True, True), result.problems
+
+
+@pytest.mark.parametrize("kind", [np.int64, np.uint8])
+def test_numbers_of_numpy_are_those_of_python(kind):
+    made = gcode.generate("paper-1", seed=kind(3), gauge_length_mm=np.float32(25), duration_s=30)
+    assert made.program == gcode.generate("paper-1", seed=3, gauge_length_mm=25.0, duration_s=30).program

@@ -238,7 +238,7 @@ def planned(
 ) -> tuple[Plan, Motion]:
     """Everything that a simulated campaign depends on, and the motion of its program; parameters as in `run`."""
     seed = whole("seed:", seed, 0)
-    number("rest_s", rest_s, 0)
+    rest_s = number("rest_s", rest_s, 0)
     tools = Instruments() if instruments is None else instance("instruments", instruments, Instruments)
     motion, gauge = played(program, gauge_length_mm)
     past = programs_before(after, model, gauge, effects)

@@ -104,7 +104,7 @@ def table_of(part: Part, digest: str) -> pa.Table:
         for name, value in (("campaign", part.campaign.name), ("specimen", part.specimen))
     }
     table = pa.table({**said, TIME: recording.time_s, **recording.channels})
-    told = {FINGERPRINT: digest.encode(), b"gauge_length_mm": f"{recording.gauge_length_mm:g}".encode()}
+    told = {FINGERPRINT: digest.encode(), b"gauge_length_mm": repr(float(recording.gauge_length_mm)).encode()}
     return table.replace_schema_metadata(told)
 
 

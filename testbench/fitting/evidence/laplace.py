@@ -107,7 +107,9 @@ class _PosteriorFit:
 
     def run(self, iterations: int, tell: Callable[[str], None]) -> Hypothesis:
         self.search(iterations, tell)
-        at_bound, own = self.held, self.priors.group < 0
+        # The last step may have taken a parameter off the bound that it was held at.
+        at_bound = self.held & ((self.x <= self.parameters.low) | (self.x >= self.parameters.high))
+        own = self.priors.group < 0
         of_base = own & np.array([p.place[0] in self.base for p in self.parameters])
         self.held = at_bound | of_base
         for _ in range(FINAL_WEIGHTS):

@@ -25,14 +25,15 @@ def past_displacement(motions: Sequence[Motion], rest_s: float) -> FloatArray:
     motions : sequence of Motion
         In the order in which they were played.
     rest_s : float
-        Rest after each, at zero displacement; a motion that ends elsewhere is brought back at 1 mm/s.
+        Rest after each, at zero displacement; a motion that ends elsewhere is brought back at 1 mm/s, which may take
+        longer than the rest.
     """
     if not motions:
         return np.zeros(0)
-    after_s = np.arange(1, round(rest_s * SIMULATED_HZ)) / SIMULATED_HZ
     parts = []
     for motion in motions:
         end_mm = float(motion.displacement_mm[-1])
         way_back_s = abs(end_mm) / RETURN_MM_PER_S
+        after_s = np.arange(1, round(max(rest_s, way_back_s) * SIMULATED_HZ) + (way_back_s > rest_s)) / SIMULATED_HZ
         parts += [motion.displacement_mm, np.interp(after_s, [0.0, max(way_back_s, 1e-9)], [end_mm, 0.0])]
     return np.concatenate(parts)

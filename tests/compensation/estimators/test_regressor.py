@@ -153,6 +153,15 @@ def test_predict_is_what_the_stream_says(rows):
     np.testing.assert_allclose([stream.update(value) for value in own[:, 0]], model.predict(own), atol=1e-9)
 
 
+@pytest.mark.parametrize("method", ["paper", "ridge"])
+def test_predict_does_not_look_ahead(rows, method):
+    X, y, labels = rows
+    model = Compensator(method=method).fit(X, y, groups=labels)
+    own = X[labels == "A"]
+    later = np.where(np.arange(len(own))[:, None] < 20, own, 1.3 * own)
+    np.testing.assert_allclose(model.predict(later)[:20], model.predict(own)[:20], atol=1e-12)
+
+
 def test_a_logarithm_of_the_conductance_is_learned_but_does_not_stream(rows, tmp_path):
     X, y, _ = rows
     model = Compensator(method="paper").fit(np.log(X), y)

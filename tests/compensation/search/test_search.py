@@ -190,6 +190,11 @@ def test_one_live_seed_of_five_is_no_certainty():
     assert second.chance_first == pytest.approx(0.8**5, abs=0.05)
 
 
+def test_a_ranking_does_not_depend_on_which_worker_was_done_first():
+    rows = [row(key, seed, 0.1 + 0.01 * ((seed * 7 + n) % 5)) for n, key in enumerate("abcde") for seed in range(5)]
+    assert rank(rows[::-1]) == rank(rows) == rank(rows[7:] + rows[:7])
+
+
 def test_the_first_is_none_of_its_rivals():
     apart = rank([row(key, seed, error) for key, error in (("a", 0.1), ("b", 0.5)) for seed in range(4)])
     assert "0 others cannot be told from it" in _certainty(apart, 1.0, 4)

@@ -50,6 +50,14 @@ def test_delay_and_drift_come_out_as_they_were_put_in(delay_s, drift_ppm):
     assert found.rms_mm < 2e-3
 
 
+def test_a_short_run_is_placed_where_its_clock_does_not_begin_at_zero():
+    """Too short for windows: one correlation places it."""
+    motion = wander(40.0)
+    recording = recorded(motion, 0.0, 0, tail_s=0.0)
+    later = replace(recording, time_s=recording.time_s + 8.0)
+    assert align(later, motion).delay_s == pytest.approx(8.0, abs=5e-3)
+
+
 def test_applied_the_recording_is_on_the_plans_clock():
     motion = wander()
     recording = recorded(motion, 7.321, 300)

@@ -192,7 +192,7 @@ def test_killed_in_a_design_it_designs_again(tmp_path, monkeypatch, whole):
 def same(state) -> dict:
     """An investigation without the times of the clock."""
     data = state.model_dump(mode="json")
-    return {**data, "runs": [{**run, "ended_s": None} for run in data["runs"]]}
+    return {**data, "runs": [{**run, "begun_s": None, "ended_s": None} for run in data["runs"]]}
 
 
 def test_one_that_has_ended_is_not_run_again(one_run, monkeypatch):
@@ -260,3 +260,35 @@ def test_a_folder_that_is_taken_is_left_alone(tmp_path, one_run):
 def test_what_no_run_can_be_planned_within_is_refused(changes, match):
     with pytest.raises(ValidationError, match=match):
         asked(**changes)
+
+
+class BreaksOff(SimulatedBench):
+    """Its second run ends with Ctrl-C when it is asked for first."""
+
+    asked: int = 0
+
+    def run(self, order, report, stopped=lambda: False):
+        type(self).asked += 1
+        if self.asked == 2:
+            raise KeyboardInterrupt
+        super().run(order, report, stopped)
+
+
+def test_the_rest_before_a_run_that_was_broken_off_ends_where_it_was_first_begun(tmp_path, monkeypatch):
+    """Two days pass before it goes on: the specimen rested for the 30 s before, and the file can be read again."""
+    times_s = iter([0.0, 100.0, 130.0, 2e5, 2e5 + 100])
+    monkeypatch.setattr(loop, "now_s", lambda: 1e9 + next(times_s))
+    bench = BreaksOff(hidden(), keeps_time=True)
+    with pytest.raises(KeyboardInterrupt):
+        investigated(tmp_path / "i", monkeypatch, [0.6], bench)
+    ended, _ = investigated(tmp_path / "i", monkeypatch, [0.96], bench, resume=True)
+    assert [run.rest_s for run in ended.runs] == [None, 30.0]
+    assert load_investigation(tmp_path / "i") == ended
+
+
+def test_an_investigation_goes_on_after_a_week(tmp_path, monkeypatch):
+    times_s = iter([0.0, 100.0, 6e5, 6e5 + 100])
+    monkeypatch.setattr(loop, "now_s", lambda: 1e9 + next(times_s))
+    ended, _ = investigated(tmp_path / "i", monkeypatch, [0.6, 0.96], SimulatedBench(hidden(), keeps_time=True))
+    assert ended.runs[1].rest_s == pytest.approx(6e5 - 100)
+    assert load_investigation(tmp_path / "i") == ended
