@@ -109,22 +109,31 @@ class OneAtATime:
     """
 
     def __init__(self, out: Path) -> None:
-        self._out = out
-        try:
-            self._handle = os.open(out / ".lock", os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o644)
-        except OSError as error:
-            raise UserError(
-                f"{out / '.lock'}: cannot hold this folder: {error.strerror}; see what is there"
-            ) from None
+        self._out, self._path = out, out / ".lock"
 
     def __enter__(self) -> OneAtATime:
-        try:
-            fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
+        self._handle = self._locked()
+        # Where the command before has taken its lock away since that was opened, nobody else would see this one.
+        while not self._is_seen():
             os.close(self._handle)
-            raise UserError(f"{self._out}: another `testbench dataset` is at work in this folder") from None
+            self._handle = self._locked()
         clear_drafts(self._out)
         return self
+
+    def _locked(self) -> int:
+        try:
+            handle = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o644)
+        except OSError as error:
+            raise UserError(f"{self._path}: cannot hold this folder: {error.strerror}; see what is there") from None
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            os.close(handle)
+            raise UserError(f"{self._out}: another `testbench dataset` is at work in this folder") from None
+        return handle
+
+    def _is_seen(self) -> bool:
+        return self._path.exists() and os.path.samestat(os.fstat(self._handle), os.stat(self._path))
 
     def __exit__(self, *_: object) -> None:
         (self._out / ".lock").unlink(missing_ok=True)

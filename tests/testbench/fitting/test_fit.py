@@ -15,6 +15,7 @@ from testbench.fitting.fit import fit
 from testbench.fitting.parameters import FreeParameters, free_parameters, shape_scales
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
+from testbench.knit.effect import bounds_of
 from testbench.measurements.noise_level import noise_floor, robust_sd
 from testbench.measurements.preparing import prepare
 from tests.testbench.builders import NOISE_LN, NOISE_N, record, truth
@@ -34,6 +35,22 @@ def test_known_parameters_come_back_within_their_standard_errors(seed):
     # The errors are wide for the allowance, but not so wide that they say nothing.
     errors = {address: result.standard_errors[row] for address, row in at.items()}
     assert errors["elasticity.stiffness_N"] < 0.1
+
+
+@pytest.mark.parametrize("iterations", [1, 2, 3])
+def test_a_parameter_that_came_off_its_bound_has_an_error_of_its_own(iterations):
+    """Where the search ends with the step that took it off."""
+    measurement = prepare(record(truth(), seed=1))
+    start = truth()
+    for name, effect in start.effects.items():
+        for key, field in type(effect).model_fields.items():
+            extra = bounds_of(field) if isinstance(getattr(effect, key), float) else {}
+            if extra.get("scale") == "log":
+                start = start.with_parameters({f"{name}.{key}": extra["low"]})
+    result = fit(start, measurement, iterations=iterations)
+    inside = (result.vector > result.parameters.low + 1e-9) & (result.vector < result.parameters.high - 1e-9)
+    assert inside.sum() > 3
+    assert result.standard_errors[inside].min() > 1e-5
 
 
 def test_standard_errors_allow_for_autocorrelation():

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 import signal
 import threading
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from gcode.support.errors import UserError
 from testbench import cli
+from testbench.campaigns.datasets import dataset
 from testbench.campaigns.datasets.dataset import OneAtATime, make
 from testbench.campaigns.datasets.spec import read_spec
 from testbench.campaigns.datasets.tasks import tasks_of, varied
@@ -252,3 +255,22 @@ def test_a_pattern_that_names_no_program_is_a_sentence(tmp_path, capsys, pattern
     (tmp_path / "knits.toml").write_text(spec)
     assert cli.main(["dataset", str(tmp_path / "knits.toml"), "-o", str(tmp_path / "out")]) == 2
     assert "testbench dataset: error: " in capsys.readouterr().err
+
+
+def test_a_lock_that_was_taken_away_while_it_was_opened_holds_nobody_up_and_is_made_anew(tmp_path, monkeypatch):
+    locked = []
+
+    def flock(handle, how):
+        if not locked:
+            (tmp_path / ".lock").unlink()  # by the command before, which ends
+        locked.append(handle)
+        fcntl.flock(handle, how)
+
+    monkeypatch.setattr(dataset, "fcntl", SimpleNamespace(**{**vars(fcntl), "flock": flock}))
+    with (
+        OneAtATime(tmp_path),
+        pytest.raises(UserError, match="another `testbench dataset` is at work"),
+        OneAtATime(tmp_path),
+    ):
+        pass
+    assert len(locked) == 3
