@@ -115,7 +115,7 @@ def sweep(
     Raises
     ------
     UserError
-        If `results` belongs to another sweep, or a worker process on this machine was killed.
+        If `results` belongs to another sweep, if only by what its recordings hold, or a worker process was killed.
     """
     done = _open_results(Path(results), task)
     known = {(row["key"], row["seed"]) for row in done}
@@ -173,7 +173,8 @@ def _on_cluster(
 
 def _open_results(path: Path, task: Task) -> list[dict[str, Any]]:
     """Rows so far; a new file gets a first line that says what it is about."""
-    header = {"format": "knitbench-search", "version": 2, "task": json.loads(json.dumps(asdict(task)))}
+    task_said, content = json.loads(json.dumps(asdict(task))), [part.digest for part in _series(task)]
+    header = {"format": "knitbench-search", "version": 3, "task": task_said, "recordings_sha256": content}
     if not path.exists():
         write_text(path, json.dumps(header) + "\n")
         return []

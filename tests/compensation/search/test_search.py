@@ -93,6 +93,16 @@ def test_a_killed_sweep_goes_on(task, tmp_path):
     assert search.sweep(task, jobs, results, workers=1, progress=pytest.fail) == rows
 
 
+def test_results_of_other_recordings_of_the_same_names_are_refused(recordings, tmp_path):
+    task = task_of(recordings, 20.0, tmp_path)
+    search.sweep(task, [], tmp_path / "s.jsonl")
+    task_of([recordings[0], recordings[1], recordings[0]], 20.0, tmp_path)
+    search._recordings.cache_clear()  # as in another process
+    search._series.cache_clear()
+    with pytest.raises(UserError, match="other recordings, target or engine"):
+        search.sweep(task, [], tmp_path / "s.jsonl")
+
+
 def test_results_of_another_sweep_are_refused(task, tmp_path):
     from dataclasses import replace
 
