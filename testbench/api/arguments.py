@@ -21,7 +21,7 @@ from testbench.measurements.preparing import MAX_GRID_HZ
 from testbench.measurements.splitting import MIN_PART
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
 from testbench.recordings.checks import known_length
-from testbench.recordings.doubts import check_gap, check_grid, say_if_same, say_sign
+from testbench.recordings.doubts import check_gap, check_grid, say_if_same, say_sign, say_slow
 from testbench.recordings.files import SPELLINGS, read_recording, strange_names
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import ModelFile, check_same_set_up, load_model_file
@@ -173,6 +173,7 @@ def recording_of(source: Source, gauge_length_mm: float | None = None, usual_mm:
     recording.needs_displacement()
     check_gap(recording)
     say_sign(recording)
+    say_slow(recording)
     return recording
 
 

@@ -29,9 +29,9 @@ from testbench.importing.vocabulary.roles import STRETCH, counts_repeats, speaks
 from testbench.importing.wish import Wish
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
 from testbench.recordings.checks import known_length
+from testbench.recordings.doubts import slow
 from testbench.recordings.recording import Recording
 
-SLOWEST_HZ = 0.1
 MANY_TIMES = 6.0  # R0; a change of 5 % that was read as 5. Cracked films do go further, so it is only said
 
 
@@ -155,11 +155,7 @@ def _recorded(
 def _doubts(choice: Choice, recording: Recording, wish: Wish) -> list[str]:
     """What looks wrong, or cannot be seen in such a recording."""
     said = doubts(recording.channels, wish.negate)
-    if recording.mean_rate_hz < SLOWEST_HZ:
-        said.append(
-            f"one sample in {1 / recording.mean_rate_hz:.0f} s: models are tried down to one in "
-            f"{1 / SLOWEST_HZ:.0f} s, and what is faster than the samples cannot be seen"
-        )
+    said += [slow(recording)] if slow(recording) else []
     one = choice.taken.get("relative_change")
     if one is not None and one.unit_from == NAMED and recording[RESISTANCE].max() > MANY_TIMES * (wish.r0_ohm or 1.0):
         times = recording[RESISTANCE].max() / (wish.r0_ohm or 1.0)

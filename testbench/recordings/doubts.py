@@ -15,6 +15,7 @@ ABRUPT = 10.0  # times the steps beside it: where sampling is slowed down in a h
 LEAST_RECORDED = 2e-3  # of the time: a grid of 200,000 points then has 400 with samples, in two parts
 MOST_POINTS = 5_000_000  # 55 h at 25 Hz
 AGAINST = -0.5  # correlation of force and displacement below which one of them runs the wrong way
+SLOWEST_HZ = 0.1  # of recordings that models are tried on
 _SAID: set[str] = set()
 
 
@@ -139,6 +140,22 @@ def say_sign(recording: Recording) -> None:
             f"{recording.source}: force falls as the displacement rises (correlation {related:.2f}): does one of "
             f"them run the wrong way? `testbench import --negate {_below_zero(recording)}` turns it"
         )
+
+
+def slow(recording: Recording) -> str:
+    """What is said of a recording that is slower than models are tried on; nothing of others."""
+    if len(recording) < 2 or recording.mean_rate_hz >= SLOWEST_HZ:
+        return ""
+    return (
+        f"one sample in {1 / recording.mean_rate_hz:.0f} s: models are tried down to one in {1 / SLOWEST_HZ:.0f} s, "
+        "and what is faster than the samples cannot be seen; is its time in s?"
+    )
+
+
+def say_slow(recording: Recording) -> None:
+    """Warn where a recording is slower than models are tried on."""
+    if said := slow(recording):
+        say_once(f"{recording.source}: {said}")
 
 
 def _below_zero(recording: Recording) -> str:

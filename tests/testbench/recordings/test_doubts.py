@@ -91,6 +91,13 @@ def test_what_is_held_out_of_itself_is_said(said):
     assert "holds the same samples as what is fitted on" in said.text
 
 
+@pytest.mark.parametrize(("times", "is_said"), [(1, False), (2e4, True)])
+def test_a_clock_in_ms_is_doubted(said, times, is_said):
+    recording = with_gap(0.0)
+    doubts.say_slow(replace(recording, time_s=times * recording.time_s))
+    assert ("is its time in s?" in said.text) == is_said
+
+
 @pytest.mark.parametrize("turned", ["force_N", "displacement_mm"])
 def test_a_force_of_the_other_sign_is_said(said, turned):
     good = with_gap(0.0)
