@@ -66,7 +66,8 @@ def write_parts(parts: Sequence[Part], workers: int = -1) -> int:
     for root in {part.file.parent.parent for part in parts}:
         _clear_stale(root, {part.file for part in parts})
     with_one_thread = {"inner_max_num_threads": 1}
-    Parallel(n_jobs=workers, backend="loky", **with_one_thread)(delayed(write_part)(one) for one in parts)
+    channels = channels_of(parts)
+    Parallel(n_jobs=workers, backend="loky", **with_one_thread)(delayed(write_part)(one, channels) for one in parts)
     return len(parts)
 
 
@@ -78,6 +79,15 @@ def _clear_stale(root: Path, wanted: Set[Path]) -> None:
                 path.unlink()
 
 
+def channels_of(parts: Sequence[Part]) -> list[str]:
+    """Channels that any of the campaigns has: those of a sensor without resistance are fewer."""
+    found: dict[str, None] = {}
+    for part in parts:
+        with (part.campaign / manifest.CSV).open(encoding="utf-8") as stream:
+            found |= dict.fromkeys(stream.readline().strip().split(","))
+    return [name for name in found if name != TIME]
+
+
 def columns_of(part: Part) -> list[str]:
     """Names of the columns of an existing Parquet file."""
     from pyarrow import parquet
@@ -85,17 +95,20 @@ def columns_of(part: Part) -> list[str]:
     return parquet.read_schema(part.file).names
 
 
-def write_part(part: Part) -> None:
+def write_part(part: Part, channels: Sequence[str]) -> None:
     """Write one campaign."""
     from pyarrow import parquet
 
-    table = table_of(part, sha256_of(part.campaign / manifest.NAME))
+    table = table_of(part, channels, sha256_of(part.campaign / manifest.NAME))
     with atomic_path(part.file) as temporary:
         parquet.write_table(table, temporary, compression="zstd")
 
 
-def table_of(part: Part, digest: str) -> pa.Table:
-    """``campaign``, ``specimen``, then the columns of the recording as float64; a row a sample."""
+def table_of(part: Part, channels: Sequence[str], digest: str) -> pa.Table:
+    """``campaign``, ``specimen``, the time and the `channels` as float64, null where it lacks one; a row a sample.
+
+    All files of a data set have the same columns: a reader takes those of the first.
+    """
     pa = _pyarrow()
     recording = read_recording(part.campaign)
     count = len(recording)
@@ -103,7 +116,8 @@ def table_of(part: Part, digest: str) -> pa.Table:
         name: pa.DictionaryArray.from_arrays(pa.array([0] * count, pa.int32()), pa.array([value]))
         for name, value in (("campaign", part.campaign.name), ("specimen", part.specimen))
     }
-    table = pa.table({**said, TIME: recording.time_s, **recording.channels})
+    nothing = pa.nulls(count, pa.float64())
+    table = pa.table({**said, TIME: recording.time_s, **{c: recording.channels.get(c, nothing) for c in channels}})
     told = {FINGERPRINT: digest.encode(), b"gauge_length_mm": repr(float(recording.gauge_length_mm)).encode()}
     return table.replace_schema_metadata(told)
 

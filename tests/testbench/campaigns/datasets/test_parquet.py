@@ -13,6 +13,7 @@ from testbench.campaigns.datasets.dataset import make, write_index, write_parque
 from testbench.campaigns.datasets.splits import SPLITS, split_of
 from testbench.campaigns.datasets.tasks import Task
 from testbench.knit.catalogue import baseline
+from testbench.knit.model import KnitModel
 from testbench.recordings.files import read_recording
 from testbench.recordings.instruments import Instruments
 from tests.testbench.rig.rigs import program
@@ -57,6 +58,25 @@ def test_pandas_reads_back_every_sample(made):
         assert np.array_equal(mine.time_s, recording.time_s)
         assert np.array_equal(mine.resistance_ohm, recording["resistance_ohm"])
         assert set(mine.specimen) == {task.specimen}
+
+
+def test_sensors_of_fewer_channels_leave_theirs_to_the_others(tmp_path):
+    import pandas as pd
+
+    path, tools = program(tmp_path), Instruments()
+    model = baseline()
+    of_force = KnitModel({name: effect for name, effect in model.effects.items() if "force_N" in effect.writes})
+    tasks = [
+        Task(tmp_path / name, path, name, one.to_dict(), 25.0, 1, tools, specimen=name)
+        for name, one in (("force", of_force), ("both", model))
+    ]
+    for task in tasks:
+        make(task)
+    write_parquet(tmp_path, tasks, workers=1)
+    frame = pd.read_parquet(tmp_path / "parquet")
+    assert frame.resistance_ohm.isna().groupby(frame.campaign).mean().to_dict() == {"both": 0.0, "force": 1.0}
+    described = json.loads((tmp_path / "croissant.json").read_text())["recordSet"][0]["field"]
+    assert any(one["name"] == "resistance_ohm" for one in described)
 
 
 def test_what_was_changed_or_broken_is_written_anew_and_what_is_stale_goes(made):
