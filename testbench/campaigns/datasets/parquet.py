@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from gcode.support.errors import UserError
 from gcode.support.files import atomic_path, make_folder, refuse_links, sha256_of
+from gcode.support.strict import blocks_of
 from testbench.campaigns.datasets.splits import SPLITS, split_of
 from testbench.recordings import manifest
 from testbench.recordings.channels import TIME
@@ -83,8 +84,8 @@ def channels_of(parts: Sequence[Part]) -> list[str]:
     """Channels that any of the campaigns has: those of a sensor without resistance are fewer."""
     found: dict[str, None] = {}
     for part in parts:
-        with (part.campaign / manifest.CSV).open(encoding="utf-8") as stream:
-            found |= dict.fromkeys(stream.readline().strip().split(","))
+        first_line = next(blocks_of(part.campaign / manifest.CSV, "recording")).partition(b"\n")[0]
+        found |= dict.fromkeys(first_line.decode().strip().split(","))
     return [name for name in found if name != TIME]
 
 
