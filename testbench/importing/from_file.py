@@ -155,7 +155,8 @@ def _recorded(
 def _doubts(choice: Choice, recording: Recording, wish: Wish) -> list[str]:
     """What looks wrong, or cannot be seen in such a recording."""
     said = doubts(recording.channels, wish.negate)
-    said += [slow(recording)] if slow(recording) else []
+    if too_slow := slow(recording):
+        said.append(too_slow)
     one = choice.taken.get("relative_change")
     if one is not None and one.unit_from == NAMED and recording[RESISTANCE].max() > MANY_TIMES * (wish.r0_ohm or 1.0):
         times = recording[RESISTANCE].max() / (wish.r0_ohm or 1.0)

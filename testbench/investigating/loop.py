@@ -6,6 +6,7 @@ import contextlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from gcode.programs.make import Made, make
 from gcode.support.errors import UserError
@@ -124,6 +125,11 @@ class _Loop:
         self.state = state
         save_investigation(self.folder, state)
 
+    def _keep_run(self, **changes: Any) -> None:
+        """Keep what the last run has come to."""
+        run = self.state.runs[-1].model_copy(update=changes)
+        self._keep(self.state.with_run(len(self.state.runs) - 1, run))
+
     def _ending(self) -> str:
         settings, belief = self.state.settings, self.state.belief
         if belief is not None and belief.top[1] >= settings.sure:
@@ -180,7 +186,7 @@ class _Loop:
         self.watcher.tell(f"run {number}: program {program_folder(self.folder, number) / 'program.tap'}")
         # A run that was broken off goes on: the rest before it ended when it was first begun.
         begun_s = self.state.runs[-1].begun_s or now_s()
-        self._keep(self.state.with_run(number - 1, self.state.runs[-1].model_copy(update={"begun_s": begun_s})))
+        self._keep_run(begun_s=begun_s)
         order = Order(
             program_folder(self.folder, number) / "program.tap",
             run_folder(self.folder, number),
@@ -190,8 +196,7 @@ class _Loop:
             settings.seed + number,
         )
         self.bench.run(order, self.watcher.status, self.watcher.stopped)
-        changes = {"recorded": True, "rest_s": self._rest_before(number, begun_s), "ended_s": now_s()}
-        self._keep(self.state.with_run(number - 1, self.state.runs[-1].model_copy(update=changes)))
+        self._keep_run(recorded=True, rest_s=self._rest_before(number, begun_s), ended_s=now_s())
 
     def _rest_before(self, number: int, begun_s: float) -> float | None:
         """The rest before a run: as it was stated, or by the clock where time was real."""
@@ -219,8 +224,7 @@ class _Loop:
         found = belief_after(self._measured(), runs, self.catalogue, self.start, settings.effects_at_most, tell)
         own = [run.belief.own for run in self.state.runs if run.belief is not None] + [dict(found.probabilities)]
         together = doubted([over_specimens(own[: k + 1]) for k in range(len(own))] if fresh else own)
-        run = self.state.runs[-1].model_copy(update={"belief": _kept(found, together)})
-        self._keep(self.state.with_run(number - 1, run))
+        self._keep_run(belief=_kept(found, together))
         self.watcher.judged(self.state)
 
 

@@ -159,7 +159,10 @@ def say_slow(recording: Recording) -> None:
 
 
 def _below_zero(recording: Recording) -> str:
-    """The channel that is turned, for it lies below zero the more: a knit is stretched, and pulls."""
+    """The channel that is turned, for it lies below zero the more: a knit is stretched, and pulls.
+
+    A raw file has zeros of its own: there `importing.signs` asks where a signal goes from its first sample.
+    """
     lowest = {name: np.min(recording[name]) / np.max(np.abs(recording[name])) for name in (FORCE, DISPLACEMENT)}
     return "displacement" if lowest[DISPLACEMENT] < min(lowest[FORCE], -0.5) else "force"
 

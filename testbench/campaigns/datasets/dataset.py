@@ -112,11 +112,10 @@ class OneAtATime:
         self._out, self._path = out, out / ".lock"
 
     def __enter__(self) -> OneAtATime:
-        self._handle = self._locked()
         # Where the command before has taken its lock away since that was opened, nobody else would see this one.
-        while not self._is_seen():
-            os.close(self._handle)
-            self._handle = self._locked()
+        while not os.fstat(handle := self._locked()).st_nlink:
+            os.close(handle)
+        self._handle = handle
         clear_drafts(self._out)
         return self
 
@@ -132,11 +131,8 @@ class OneAtATime:
             raise UserError(f"{self._out}: another `testbench dataset` is at work in this folder") from None
         return handle
 
-    def _is_seen(self) -> bool:
-        return self._path.exists() and os.path.samestat(os.fstat(self._handle), os.stat(self._path))
-
     def __exit__(self, *_: object) -> None:
-        (self._out / ".lock").unlink(missing_ok=True)
+        self._path.unlink(missing_ok=True)
         os.close(self._handle)
 
 

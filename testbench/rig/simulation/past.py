@@ -34,6 +34,7 @@ def past_displacement(motions: Sequence[Motion], rest_s: float) -> FloatArray:
     for motion in motions:
         end_mm = float(motion.displacement_mm[-1])
         way_back_s = abs(end_mm) / RETURN_MM_PER_S
-        after_s = np.arange(1, round(max(rest_s, way_back_s) * SIMULATED_HZ) + (way_back_s > rest_s)) / SIMULATED_HZ
+        taken_s = max(rest_s, way_back_s + 1 / SIMULATED_HZ)
+        after_s = np.arange(1, round(taken_s * SIMULATED_HZ)) / SIMULATED_HZ
         parts += [motion.displacement_mm, np.interp(after_s, [0.0, max(way_back_s, 1e-9)], [end_mm, 0.0])]
     return np.concatenate(parts)
