@@ -13,7 +13,7 @@ from gcode.motion.perlin import MAX_OCTAVES, perlin_signal, perlin_walk
 from gcode.support.errors import UserError
 from gcode.trajectories.protocol import RangedPiece
 from gcode.trajectories.quantities import Duration, Positive
-from gcode.trajectories.target import Target, tuned
+from gcode.trajectories.target import TOO_FAR, Target, tuned
 
 OCTAVE_SD = 0.242  # standard deviation of one octave of noise, mean of 40 runs of 23 min
 OCTAVE_PEAK = 0.78  # what one octave reaches in about 23 min
@@ -75,9 +75,35 @@ class Noise(RangedPiece):
         return float(OCTAVE_PEAK * np.sqrt((amplitudes**2).sum()) / amplitudes.sum())
 
     def path(self, start_mm: float, frame: Frame) -> Path:
-        """The path that takes `duration_s` once the limits are applied."""
+        """The path that takes `duration_s` once the limits are applied.
+
+        Raises
+        ------
+        UserError
+            If no motion within the limits and this strain range is as fast as asked, or the pace is too high for the
+            sample rate.
+        """
+        self._check_room(frame)
         shape = self if self.target is None else tuned(self, self.target, frame)
         return shape.executed_path(frame)
+
+    def _check_room(self, frame: Frame) -> None:
+        """No motion to and fro over a range L at no more than `a_max` has a mean speed above sqrt(a_max L) / 2."""
+        range_mm = float(frame.mm(self.high_percent) - frame.mm(self.low_percent))
+        fastest = min(0.5 * np.sqrt(frame.a_max_mm_per_s2 * range_mm), frame.v_max_mm_per_s)
+        if self.target is not None and (1.0 - TOO_FAR) * self.target.v_mean_mm_per_s > fastest:
+            raise UserError(
+                f"noise: the target cannot be reached: a mean speed of {self.target.v_mean_mm_per_s:g} mm/s over "
+                f"{range_mm:.3g} mm, where v max {frame.v_max_mm_per_s:.4g} mm/s and a max "
+                f"{frame.a_max_mm_per_s2:.4g} mm/s2 allow at most {fastest:.3g} mm/s; the gauge length is "
+                f"{frame.gauge_length_mm:g} mm: is it in mm?"
+            )
+        if self.min_speed_mm_per_s > fastest:
+            raise UserError(
+                f"noise: min_speed_mm_per_s: at most {fastest:.3g} mm/s over {range_mm:.3g} mm within v max "
+                f"{frame.v_max_mm_per_s:.4g} mm/s and a max {frame.a_max_mm_per_s2:.4g} mm/s2, got "
+                f"{self.min_speed_mm_per_s:g}"
+            )
 
     def _check_pace(self, cells_per_s: float, frame: Frame) -> None:
         fastest = cells_per_s * 2.0 ** (self.octaves - 1)

@@ -164,6 +164,20 @@ def test_a_target_that_the_limits_exclude_is_refused():
         plan(spec, 1, 25.0)
 
 
+def test_a_gauge_length_in_metres_is_refused_before_any_search():
+    with pytest.raises(
+        UserError, match=r"over 0\.0075 mm, .* at most 0\.18\d mm/s; the gauge length is 0\.025 mm: is it"
+    ):
+        plan(preset("paper-1"), 1, 0.025)
+
+
+def test_a_least_speed_that_the_range_does_not_allow_is_refused():
+    # To and fro over 7.5 mm at 19 mm/s2 (5 % are kept in reserve): 2 sqrt(7.5 / 19) s a stroke, or 5.97 mm/s.
+    spec = TrajectorySpec(pieces=(Noise(duration_s=60, min_speed_mm_per_s=6.2),), limits=Limits(a_max_mm_per_s2=20))
+    with pytest.raises(UserError, match=r"min_speed_mm_per_s: at most 5\.97 mm/s over 7\.5 mm .* got 6\.2"):
+        plan(spec, 1, 25.0)
+
+
 @pytest.mark.parametrize(
     "values", [{"v_max_mm_per_s": 0}, {"a_max_mm_per_s2": np.nan}, {"x_min_mm": 5, "x_max_mm": 1}]
 )
