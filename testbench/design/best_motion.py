@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,10 +16,10 @@ from gcode.programs.make import Made, make
 from gcode.support.errors import UserError
 from gcode.trajectories.trajectory import Trajectory
 from testbench.design.ahead import following
-from testbench.design.compositions import ROOM, Motion, drawn, in_words, motion_of, varied
+from testbench.design.compositions import Motion, drawn, in_words, motion_of, varied
 from testbench.design.forecast import Forecaster, Likely, Reading
 from testbench.design.information import Information, information
-from testbench.design.protocols import NOISE, SHORTEST_EXPERIMENT_S, Bounds, drivable
+from testbench.design.protocols import NOISE, Bounds, drivable
 from testbench.measurements.coarser import coarser
 from testbench.measurements.measurement import Measurement
 
@@ -156,6 +156,5 @@ class _Weigher:
 
 def _named(bounds: Bounds, seed: int) -> dict[str, Motion]:
     """The protocols of `testbench experiment`, as far as they keep the time."""
-    eased = replace(bounds, duration_s=max(ROOM * bounds.duration_s, SHORTEST_EXPERIMENT_S))
-    found = drivable(eased, seed, bounds.duration_s)
+    found = drivable(bounds, seed)
     return {name: Motion((), made.spec, made.trajectory) for name, made in found.items()}

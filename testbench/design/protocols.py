@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gcode.motion.limits import drive_within
 from gcode.motion.path import Frame, join
 from gcode.programs.make import Made, make
 from gcode.support.errors import UserError
@@ -31,6 +32,7 @@ SHORTEST_STROKE_S = 2 / RATE_HZ  # a stroke of less than two steps cannot be pla
 APPROACHES_S = 12.0  # to the first position of a random motion, and back to zero at the end
 NOISE = "noise"  # the protocol that all others are measured against
 SHARES = (1.0, 0.9, 0.75, 0.5)  # of the limits that a design uses
+_DESIGNS = 4  # of one protocol, each for less time, until its program keeps the time
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,7 @@ class Bounds:
 
 
 def menu(bounds: Bounds, share: float = 1.0) -> dict[str, TrajectorySpec]:
-    """Every designed protocol by name, each as long as `bounds` says, the plain noise first.
+    """Every designed protocol by name, each about as long as `bounds` says, the plain noise first.
 
     Parameters
     ----------
@@ -94,32 +96,58 @@ def menu(bounds: Bounds, share: float = 1.0) -> dict[str, TrajectorySpec]:
         If the duration is too short for the designs, or longer than a day; or if a stroke to the largest strain takes
         less than two steps of the plan, or there and back more than the whole run.
     """
+    _check(bounds)
+    eased = _eased(bounds, share)
+    return {name: spec_of(name, pieces(eased), bounds) for name, pieces in MENU.items()}
+
+
+def drivable(bounds: Bounds, seed: int) -> dict[str, Made]:
+    """Every protocol whose program passes its own check and is no longer than `bounds` say.
+
+    Each is designed for as much of the speed and acceleration as it can use.
+
+    Raises
+    ------
+    UserError
+        As `menu`.
+    """
+    _check(bounds)
+    found: dict[str, Made] = {}
+    for share in SHARES:
+        for name in [name for name in MENU if name not in found]:
+            # A design that cannot be executed within the limits is tried again with more room to them.
+            with contextlib.suppress(UserError):
+                if made := _in_time(name, bounds, share, seed):
+                    found[name] = made
+    return {name: found[name] for name in MENU if name in found}
+
+
+def _in_time(name: str, bounds: Bounds, share: float, seed: int) -> Made | None:
+    """The program of a protocol, designed for less time as long as it takes more than it may."""
+    eased = _eased(bounds, share)
+    for _ in range(_DESIGNS):
+        made = make(spec_of(name, MENU[name](eased), bounds), seed, bounds.gauge_length_mm)
+        over_s = made.trajectory.duration_s - bounds.duration_s
+        if over_s <= 0:
+            return made
+        eased = replace(eased, duration_s=eased.duration_s - over_s - 1 / RATE_HZ)
+    return None
+
+
+def _eased(bounds: Bounds, share: float) -> Bounds:
+    return replace(
+        bounds,
+        v_max_mm_per_s=share * bounds.v_max_mm_per_s,
+        a_max_mm_per_s2=share * bounds.a_max_mm_per_s2,
+    )
+
+
+def _check(bounds: Bounds) -> None:
     if not SHORTEST_EXPERIMENT_S <= bounds.duration_s <= 24 * 3600:
         raise UserError(
             f"duration_s: an experiment takes {SHORTEST_EXPERIMENT_S:.0f} s to 24 h, got {bounds.duration_s:g} s"
         )
     _check_stroke(bounds)
-    eased = replace(
-        bounds,
-        v_max_mm_per_s=share * bounds.v_max_mm_per_s,
-        a_max_mm_per_s2=share * bounds.a_max_mm_per_s2,
-    )
-    return {name: spec_of(name, pieces(eased), bounds) for name, pieces in MENU.items()}
-
-
-def drivable(bounds: Bounds, seed: int, longest_s: float = np.inf) -> dict[str, Made]:
-    """Every protocol whose program passes its own check, designed for as much of the limits as it can use."""
-    found: dict[str, Made] = {}
-    for share in SHARES:
-        for name, spec in menu(bounds, share).items():
-            if name in found:
-                continue
-            # A design that cannot be executed within the limits is tried again with more room to them.
-            with contextlib.suppress(UserError):
-                made = make(spec, seed, bounds.gauge_length_mm)
-                if made.trajectory.duration_s <= longest_s:
-                    found[name] = made
-    return found
 
 
 def _check_stroke(bounds: Bounds) -> None:
@@ -166,15 +194,12 @@ def filled(bounds: Bounds, blocks: Callable[[int], Sequence[Piece]]) -> list[Pie
 
 
 def _seconds(block: Sequence[Piece], frame: Frame) -> float:
-    """How long a block takes, with what the acceleration limit costs at each corner."""
+    """How long a block takes within the limits."""
     paths, here = [], 0.0
     for piece in block:
         paths.append(piece.path(here, frame))
         here = float(paths[-1].position_mm[-1])
-    whole = join(*paths)
-    moving = np.abs(np.diff(whole.position_mm)) > 1e-9
-    speed = np.abs(np.diff(whole.position_mm))[moving] / np.maximum(whole.duration_s[moving], 1e-9)
-    return float(whole.duration_s.sum() + np.sum(speed) / frame.a_max_mm_per_s2)
+    return drive_within(join(*paths), frame.v_max_mm_per_s, frame.a_max_mm_per_s2).end_s
 
 
 def _noise(bounds: Bounds) -> list[Piece]:
@@ -216,7 +241,7 @@ def _rate_sweep(bounds: Bounds) -> list[Piece]:
 
 def _staircase(bounds: Bounds) -> list[Piece]:
     levels = bounds.strain_max_percent * np.array([0.2, 0.4, 0.6, 0.8, 1.0, 0.8, 0.6, 0.4, 0.2, 0.0])
-    hold_s = float(np.clip(bounds.duration_s / 2.2 / len(levels), 5, 120))
+    hold_s = float(np.clip(bounds.duration_s / 2.2 / len(levels), 1, 120))
     steps = Staircase(levels_percent=tuple(levels.tolist()), speed_mm_per_s=bounds.fast_mm_per_s, hold_s=hold_s)
     return filled(bounds, lambda _: [steps])
 

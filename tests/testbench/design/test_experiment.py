@@ -78,7 +78,7 @@ def test_every_design_keeps_the_limits_and_the_time(bounds):
         assert one.statistics.v_max_mm_per_s <= bounds.v_max_mm_per_s + 1e-6, name
         assert one.statistics.a_max_mm_per_s2 <= bounds.a_max_mm_per_s2 + 1e-6, name
         assert one.statistics.x_max_mm <= bounds.stroke_mm + 1e-6, name
-        assert one.trajectory.duration_s == pytest.approx(bounds.duration_s, rel=0.2), name
+        assert 0.9 * bounds.duration_s < one.trajectory.duration_s <= bounds.duration_s, name
 
 
 @pytest.mark.parametrize(
