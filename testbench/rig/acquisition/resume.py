@@ -126,8 +126,7 @@ def watched(ending: EndOfMotion, left: Left) -> EndOfMotion:
     """The end of the motion, having seen what was recorded."""
     for time_us, displacement_nm in zip(left.times_us, left.displacements_nm, strict=True):
         ending.watch(time_us, displacement_nm)
-        if not ending.waiting:
-            break
+    ending.unseen()
     return ending
 
 

@@ -1,0 +1,79 @@
+"""A recording is over when the stage has come all of its way, however slow the machine is, and not at a pause before."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import gcode
+from testbench.rig.acquisition.ending import LONGEST_TIMES, TAIL_S, EndOfMotion
+from testbench.rig.acquisition.resume import Left, watched
+from testbench.rig.simulation.simulated import Motion
+
+RATE_HZ = 40.0
+STARTS_S = 3.0  # after the recorder
+
+
+def perlin(seed: int = 1, duration_s: float = 120.0) -> Motion:
+    trajectory = gcode.generate("paper-1", seed=seed, duration_s=duration_s).trajectory
+    return Motion(trajectory.time_s, trajectory.position_mm)
+
+
+def with_pauses() -> Motion:
+    """Three strokes of 10 s with rests of 8 s between them: at zero as at the end."""
+    time_s = np.arange(0.0, 46.0, 0.05)
+    return Motion(time_s, np.where(time_s % 18.0 < 10.0, 5.0 * np.sin(np.pi * (time_s % 18.0) / 10.0), 0.0))
+
+
+def end_s(motion: Motion, slower: float, lost_s: tuple[float, float] = (0.0, 0.0), stops_s: float = np.inf) -> float:
+    """When a recording ends whose machine takes `slower` times the planned time, and stops for good at `stops_s`."""
+    ending = EndOfMotion.of(motion)
+    for time_s in np.arange(0.0, STARTS_S + 3 * motion.duration_s, 1 / RATE_HZ):
+        if lost_s[0] <= time_s < lost_s[1]:
+            continue
+        planned_s = max(0.0, min(time_s, stops_s) - STARTS_S) / slower
+        position_nm = round(1e6 * float(np.interp(planned_s, motion.time_s, motion.displacement_mm)))
+        row = SimpleNamespace(time_us=round(1e6 * time_s), sample=SimpleNamespace(displacement_nm=position_nm))
+        if ending(row):
+            return float(time_s)
+    raise AssertionError("the recording never ends")
+
+
+@pytest.mark.parametrize("slower", [1.0, 1.02, 1.1, 1.4, 1.9])
+@pytest.mark.parametrize("motion", [perlin(1), perlin(2), with_pauses()], ids=["perlin-1", "perlin-2", "pauses"])
+def test_a_slow_machine_is_recorded_to_its_end_and_not_much_longer(motion, slower):
+    still = np.abs(motion.displacement_mm - motion.displacement_mm[-1]) < 0.2
+    stands_s = motion.time_s[np.flatnonzero(~still)[-1]]  # a plan may itself end with a rest
+    end = end_s(motion, slower)
+    assert end >= STARTS_S + slower * stands_s + TAIL_S - 0.1
+    assert end <= STARTS_S + slower * motion.duration_s + TAIL_S + 0.1
+
+
+def test_a_machine_that_was_stopped_is_not_waited_for():
+    motion = perlin()
+    assert end_s(motion, 1.0, stops_s=40.0) <= STARTS_S + motion.duration_s + TAIL_S + 0.1
+
+
+def test_where_lines_were_lost_the_end_is_found_by_standing_for_longer_than_any_rest():
+    motion = with_pauses()
+    end = end_s(motion, 1.0, lost_s=(20.0, 32.0))
+    rest_s = EndOfMotion.of(motion).longest_rest_s
+    assert 8.0 < rest_s < 9.0
+    assert STARTS_S + motion.duration_s < end < STARTS_S + motion.duration_s + LONGEST_TIMES * rest_s + 2 * TAIL_S
+
+
+def test_after_a_resume_a_stage_is_watched_before_it_is_said_to_stand():
+    motion = with_pauses()
+    ending = EndOfMotion.of(motion)
+    left = Left()
+    for time_s in np.arange(0.0, 40.0, 1 / RATE_HZ):
+        left.times_us.append(round(1e6 * time_s))
+        left.displacements_nm.append(round(1e6 * float(np.interp(time_s, motion.time_s, motion.displacement_mm))))
+    ending = watched(ending, left)
+    late_us = round(1e6 * (motion.duration_s + 5.0))
+    rows = [(late_us + 25_000 * n, SimpleNamespace(displacement_nm=0)) for n in range(60)]
+    over = [ending(SimpleNamespace(time_us=time_us, sample=sample)) for time_us, sample in rows]
+    assert not any(over[: round(TAIL_S * RATE_HZ)])
+    assert over[-1]
