@@ -253,7 +253,10 @@ class Intake:
         """
         if not self._resumed or self._interval_us is None or self._sequence is None:
             return None
-        due_us = (sample.sequence - self._sequence) % SEQUENCE_WRAP * self._interval_us
+        lines = (sample.sequence - self._sequence) % SEQUENCE_WRAP
+        if lines > SEQUENCE_WRAP // 2:
+            return None  # counted back, as by a device that restarted
+        due_us = lines * self._interval_us
         elapsed = (sample.micros - anchor.micros) % MICROS_WRAP
         elapsed += round((due_us - elapsed) / MICROS_WRAP) * MICROS_WRAP
         agrees = elapsed > 0 and abs(elapsed - due_us) <= COUNTED_US + COUNTED_SHARE * due_us

@@ -104,6 +104,15 @@ def test_after_a_resume_the_hosts_clock_knows_the_time_of_a_device_that_waited()
     assert [item.time_us for item in items if isinstance(item, Row)] == [2 * HOUR_S * 1_000_000]
 
 
+def test_after_a_resume_a_device_that_counts_anew_under_its_old_boot_number_is_not_years_ahead():
+    intake = Intake(channels=channels_of(sample(0)))
+    intake.continue_from(Anchor(7, 400 * STEP_US, 10_000_000, host_s=-13.0), sequence=400, interval_us=STEP_US)
+    items = [item for n in range(60) for item in fed(intake, sample(n), host_s=n * STEP_US / 1e6)]
+    times_us = [item.time_us for item in items if isinstance(item, Row)]
+    assert 23_000_000 <= times_us[0] <= times_us[-1] < 26_000_000
+    assert events(items) == ["reboot"]
+
+
 def test_a_reboot_is_told_from_a_wrap_and_time_goes_on_by_the_host():
     intake = Intake()
     fed(intake, sample(0), sample(1), host_s=10.0)
