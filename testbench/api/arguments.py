@@ -226,9 +226,7 @@ def catalogue_of(effects: Effects) -> Catalogue:
     for effect in effects if isinstance(effects, Iterable) else [effects]:
         if not (isinstance(effect, type) and issubclass(effect, Effect)):
             raise UserError(f"effects: must be a file, or classes of your own effects, got {effect!r}")
-        if effect.name in catalogue.effects:
-            raise UserError(f"effects: there is an effect called {effect.name} already; give yours another name")
-        catalogue.effects[effect.name] = effect
+        catalogue.add(effect, "effects")
     return catalogue
 
 

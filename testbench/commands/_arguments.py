@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
+from typing import Any
 
 
 def add_recording(parser: argparse.ArgumentParser) -> None:
@@ -26,7 +27,22 @@ def add_effects(parser: argparse.ArgumentParser) -> None:
     """--effects: a user's own effects."""
     from testbench.trust import EFFECTS_HELP
 
-    parser.add_argument("--effects", metavar="FILE.py", help=EFFECTS_HELP)
+    parser.add_argument("--effects", metavar="FILE.py", action=_Once, help=EFFECTS_HELP)
+
+
+class _Once(argparse.Action):
+    """An option that is refused a second time, where the last word would drop the first silently."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,
+        option_string: str | None = None,
+    ) -> None:
+        if getattr(namespace, self.dest) is not None:
+            parser.error(f"{option_string} was given twice; put all classes of your own into one file")
+        setattr(namespace, self.dest, values)
 
 
 def add_clamp_play(parser: argparse.ArgumentParser, of: str = "--held-out") -> None:

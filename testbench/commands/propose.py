@@ -42,7 +42,7 @@ def run(args: argparse.Namespace) -> int:
     check_place(args.json, "--json")
     check_place(args.save_model, "--save-model")
     catalogue = catalogue_of(args.effects)
-    output, picture = check_effect_file(args.output, args.plot, catalogue)
+    output, picture = check_effect_file(args.output, args.plot, catalogue, args.laws)
     tell = False if args.quiet else Counting("proposing", 2 + STEPS_OF_A_LAW * args.laws)
     found = propose(
         args.recording,

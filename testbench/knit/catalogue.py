@@ -11,6 +11,7 @@ from typing import Any
 
 from gcode.support.errors import UserError
 from testbench.knit.effect import Effect
+from testbench.knit.effect_names import check_free
 from testbench.knit.model import FORMAT, FORMAT_VERSION, KnitModel
 
 BUILT_IN = {
@@ -190,6 +191,18 @@ class Catalogue:
                 f"no effect called {name}; `testbench effects` lists them all; your own need --effects FILE"
             ) from None
 
+    def add(self, effect: type[Effect], source: str) -> None:
+        """Add an effect of the user's own.
+
+        Raises
+        ------
+        UserError
+            If its name, or that of its mechanism, is taken: models elsewhere mean another effect by it.
+        """
+        check_free(effect.name, source, self.effects)
+        check_free(effect.mechanism, source, ())
+        self.effects[effect.name] = effect
+
     def without(self, mechanism: str) -> Catalogue:
         """The catalogue without any law of a mechanism."""
         rest = {name: law for name, law in self.effects.items() if law.mechanism != mechanism}
@@ -218,17 +231,14 @@ def load_catalogue(user_file: str | Path | None = None) -> Catalogue:
         catalogue.effects[name] = getattr(importlib.import_module(module), attribute)
     for point in entry_points(group=ENTRY_POINT_GROUP):
         try:
-            catalogue.effects[point.name] = point.load()
+            catalogue.add(point.load(), point.name)
         except KeyboardInterrupt:
             raise
         except BaseException as error:  # a broken plug-in is somebody else's bug, sys.exit in it, too: list it
             catalogue.broken[point.name] = f"{type(error).__name__}: {error}"
     if user_file is not None:
-        own = _effects_in_file(Path(user_file))
-        taken = [name for name in own if name in catalogue.effects]
-        if taken:
-            raise UserError(f"{user_file}: there is an effect called {taken[0]} already; give yours another name")
-        catalogue.effects.update(own)
+        for effect in _effects_in_file(Path(user_file)).values():
+            catalogue.add(effect, str(user_file))
     return catalogue
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import keyword
 from pathlib import Path
 
 from gcode.support.errors import UserError
 from gcode.support.files import write_text
 from testbench.knit.catalogue import BUILT_IN
+from testbench.knit.effect_names import check_name, class_name
 
 TEMPLATE = '''"""My own effect for knitbench. Try it:  testbench effects --effects {file} --check"""
 
@@ -52,13 +52,9 @@ def write_template(name: str, path: Path) -> None:
         If `name` is no usable name, `path` does not end in .py, or the file exists: somebody's work must not be
         overwritten.
     """
-    if not name.isidentifier() or keyword.iskeyword(name) or name != name.lower():
-        raise UserError(f"an effect's name must be like my_effect (lower case, digits, _); got {name!r}")
-    if name in BUILT_IN:
-        raise UserError(f"there is an effect called {name} already (`testbench effects {name}`); choose another name")
+    check_name(name, str(path), BUILT_IN)
     if path.suffix != ".py":
         raise UserError(f"{path}: an effects file is Python, and its name must end in .py; choose another with -o")
     if path.exists():
         raise UserError(f"{path} exists already; choose another name, or another place with -o")
-    cls = "".join(part.capitalize() for part in name.split("_"))
-    write_text(path, TEMPLATE.format(cls=cls, name=name, file=path.name))
+    write_text(path, TEMPLATE.format(cls=class_name(name), name=name, file=path.name))

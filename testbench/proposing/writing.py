@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import copyreg
-import keyword
 import re
 import textwrap
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 from gcode.support.errors import UserError
-from testbench.knit.catalogue import BUILT_IN
 from testbench.knit.effect import Effect
+from testbench.knit.effect_names import class_name
 from testbench.proposing.grids import Grid, rounded
 from testbench.proposing.laws.formulas import SYMBOLS, in_words, latex_of, plain
 from testbench.proposing.laws.law import NAMES, SINCE_START, STRENGTH, TOOLS, Law
@@ -55,21 +54,6 @@ class {cls}(Effect):
     def apply(self, signals, dt_s):
 {body}
 '''
-
-
-def check_name(name: str, source: str, taken: Collection[str] = BUILT_IN) -> None:
-    """Refuse a file whose name is no name for an effect.
-
-    Raises
-    ------
-    UserError
-    """
-    if not name.isidentifier() or keyword.iskeyword(name) or name != name.lower():
-        raise UserError(
-            f"{source}: the effect is named after its file, which must be like my_effect.py (lower case, digits, _)"
-        )
-    if name in taken:
-        raise UserError(f"{source}: there is an effect called {name} already; choose another name")
 
 
 def strength_key(law: Law) -> str:
@@ -132,7 +116,7 @@ def class_text(law: Law, name: str, grid: Grid) -> str:
     if term.coordinate.name == "time" and "wave" in operators:
         optional += '    per_recording = ("phase",)\n'  # a hum knows nothing of when a recording began
     return CLASS.format(
-        cls="".join(part.capitalize() for part in name.split("_")),
+        cls=class_name(name),
         summary=_folded(_sentence(in_words(law)), 4),
         formula=f"{plain(place.latex)} += a * z,   z = {plain(term.latex)}",
         definitions=definitions,

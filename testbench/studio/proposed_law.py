@@ -131,7 +131,7 @@ def propose_command(studio: Studio, c: str, name: str, most: int) -> tuple[str, 
     UserError
         If `name` is no name for an effect, or is taken.
     """
-    from testbench.proposing.writing import check_name
+    from testbench.knit.effect_names import check_name
 
     check_name(name, f"{name or 'name'}.py", studio.catalogue().effects)
     folder = folder_of(studio, c)

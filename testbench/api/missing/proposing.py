@@ -17,11 +17,13 @@ from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, mod
 from testbench.api.models.model_result import ModelResult
 from testbench.api.models.overlay import plot_overlay
 from testbench.api.progress import Tell, telling
+from testbench.knit.catalogue import Catalogue
+from testbench.knit.effect_names import check_name
 from testbench.proposing.laws.formulas import in_words
-from testbench.proposing.laws_found import Proposed
+from testbench.proposing.laws_found import Proposed, numbered
 from testbench.proposing.proposal import MOST_LAWS
 from testbench.proposing.words import as_json, first_line, proposal_text, story
-from testbench.proposing.writing import check_name, file_text, free_path
+from testbench.proposing.writing import file_text, free_path
 from testbench.report.figures.proposal_figures import proposal as figure_of
 from testbench.report.writing.static import write_figure
 from testbench.results.model_file import ModelFile
@@ -186,7 +188,7 @@ def propose(
     """
     most = whole("most: laws to find", most, 1)
     catalogue = catalogue_of(effects)
-    check_name(name, f"{name}.py", catalogue.effects)
+    _check_names(name, f"{name}.py", catalogue, most)
     file = None if model is None else model_file_of(model, catalogue)
     first, held, _ = recordings_for(model, file, recording, held_out, gauge_length_mm)
     with telling(progress) as tell:
@@ -194,7 +196,7 @@ def propose(
 
 
 def check_effect_file(
-    path: str | Path, picture: str | Path | None = None, effects: Effects = None
+    path: str | Path, picture: str | Path | None = None, effects: Effects = None, most: int = 1
 ) -> tuple[Path, Path]:
     """Where an effect and its picture can be written; asked before the work whose result would be lost there.
 
@@ -206,6 +208,8 @@ def check_effect_file(
         Default: beside the effect.
     effects : path, Catalogue or effect classes, optional
         Effects of the user's own, whose names are taken.
+    most : int
+        Laws that will be looked for: from the second on their names have a number behind.
 
     Raises
     ------
@@ -218,5 +222,11 @@ def check_effect_file(
     drawn = free_path(picture or effect.with_suffix(".png"))
     check_place(effect)
     check_place(drawn, "--plot")
-    check_name(effect.stem, str(effect), catalogue_of(effects).effects)
+    _check_names(effect.stem, str(effect), catalogue_of(effects), most)
     return effect, drawn
+
+
+def _check_names(name: str, source: str, catalogue: Catalogue, most: int) -> None:
+    """The names of all laws that may be found must be free."""
+    for k in range(most):
+        check_name(numbered(name, k), source, catalogue.effects)

@@ -11,8 +11,9 @@ from scipy.special import logsumexp
 
 from testbench.fitting import constants
 from testbench.knit.effect import FloatArray
+from testbench.knit.effect_names import HYPOTHESES
 
-NOTHING, UNKNOWN = "nothing", "unknown"
+NOTHING, UNKNOWN = HYPOTHESES
 SO_FAR = ""  # the source that is the model so far
 DRAWS = 10_000  # of the errors of the evidences: a mean is then known within half a percent
 # Log prior and evidence of each hypothesis, by source: the model so far, or that with a law of some mechanism.

@@ -1,4 +1,4 @@
-"""When a recording is over: all of the program's way is done and the stage stands, or it stands too long for a pause."""
+"""When a recording is over: the stage has come all of the planned way and stands, or it stands too long for a pause."""
 
 from __future__ import annotations
 
