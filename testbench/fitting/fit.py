@@ -63,9 +63,9 @@ class Fit:
 
     def at_bound(self) -> list[str]:
         """Addresses of parameters that ended on a bound."""
-        bounds = self.parameters.low, self.parameters.high
-        at_bound = np.any([np.isclose(self.vector, bound, atol=1e-6) for bound in bounds], axis=0)
-        return [p.address for p, on_it in zip(self.parameters, at_bound, strict=True) if on_it]
+        near = 1e-7 * np.array([p.width for p in self.parameters])
+        at_low, at_high = self.vector - self.parameters.low <= near, self.parameters.high - self.vector <= near
+        return [p.address for p, on_it in zip(self.parameters, at_low | at_high, strict=True) if on_it]
 
     def unidentified(self) -> list[str]:
         """Addresses of parameters about which this recording says nearly nothing beyond the prior."""

@@ -115,12 +115,15 @@ class FreeParameters(tuple[FreeParameter, ...]):
 
 
 def shape_scales(measurement: Measurement) -> dict[str, float]:
-    """Typical size of a correction, by unit: a tenth of the force's range, 0.3 in ln G."""
+    """Typical size of a correction, by unit: a tenth of the force's range, 0.3 in ln G, a sensor's own resistance."""
     scales = {"1": 0.3, "1/ks": 0.1, "N": 1.0}
     if FORCE_CHANNEL in measurement.measured:
         scales["N"] = 0.1 * float(np.ptp(measurement.measured[FORCE_CHANNEL]))
     if CONDUCTANCE_CHANNEL in measurement.measured:
-        scales["1"] = max(0.1 * float(np.ptp(measurement.measured[CONDUCTANCE_CHANNEL])), 0.02)
+        log_conductance = measurement.measured[CONDUCTANCE_CHANNEL]
+        scales["1"] = max(0.1 * float(np.ptp(log_conductance)), 0.02)
+        scales["S"] = float(np.exp(np.median(log_conductance)))
+        scales["ohm"] = 1 / scales["S"]
     return scales
 
 
@@ -131,7 +134,7 @@ def free_parameters(model: KnitModel, scales: Mapping[str, float]) -> FreeParame
     ----------
     model : KnitModel
     scales : mapping of unit to float
-        Typical size of a shape weight by unit (N, 1): the width of its prior.
+        Typical sizes by unit: of a shape weight the width of its prior.
     """
     found: list[FreeParameter] = []
     for name, effect in model.effects.items():

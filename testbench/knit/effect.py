@@ -123,6 +123,9 @@ class Effect(BaseModel):
     nonlinear : bool
         The response has a threshold (a gap, a clipping level), so a small strength says little about a large one:
         try a grid of magnitudes instead of a finite difference at zero.
+    jumps : tuple of str
+        Parameters at which the response jumps (the moment of a slip): a small change of one moves no sample, or a
+        whole one, so that no derivative says how well data know it.
     pointwise : tuple of str
         Signals that it reads and does not remember: what it writes at a moment depends on them at that moment alone.
     per_recording : tuple of str
@@ -152,6 +155,7 @@ class Effect(BaseModel):
     look: ClassVar[str] = ""
     optional_reads: ClassVar[tuple[str, ...]] = ()
     nonlinear: ClassVar[bool] = False
+    jumps: ClassVar[tuple[str, ...]] = ()
     pointwise: ClassVar[tuple[str, ...]] = ()
     per_recording: ClassVar[tuple[str, ...]] = ()
     looks_ahead: ClassVar[bool] = False

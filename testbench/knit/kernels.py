@@ -41,6 +41,17 @@ def play(x: FloatArray, thresholds: FloatArray) -> FloatArray:
     return out
 
 
+@njit("boolean[:](float64[:], float64)", cache=True, nogil=True)
+def moves(x: FloatArray, step: float) -> FloatArray:
+    """Where x has come more than `step` away from where it last moved to, shape (n,)."""
+    out = np.zeros(len(x), np.bool_)
+    at = x[0]
+    for i in range(len(x)):
+        if abs(x[i] - at) > step:
+            at, out[i] = x[i], True
+    return out
+
+
 @njit("float64[:](float64[:])", cache=True, nogil=True)
 def running_max(x: FloatArray) -> FloatArray:
     """Largest value so far, shape (n,)."""

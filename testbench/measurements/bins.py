@@ -7,6 +7,13 @@ import numpy as np
 from testbench.knit.effect import FloatArray
 
 
+def read_at(grid_s: FloatArray, time_s: FloatArray) -> np.ndarray:
+    """Whether a sample lies within a step of each grid point: what was interpolated over a gap is no reading."""
+    after = np.searchsorted(time_s, grid_s).clip(1, len(time_s) - 1)
+    off_s = np.abs(time_s[[after - 1, after]] - grid_s).min(axis=0)
+    return np.asarray(off_s <= grid_s[1] - grid_s[0])
+
+
 class Bins:
     """Means of the samples around each grid point, moved from their mean time to the grid point.
 
@@ -33,10 +40,8 @@ class Bins:
 
     @property
     def is_read(self) -> np.ndarray:
-        """Whether a sample lies within a step of each grid point: what was interpolated over a gap is no reading."""
-        after = np.searchsorted(self._time_s, self.grid_s).clip(1, len(self._time_s) - 1)
-        off_s = np.abs(self._time_s[[after - 1, after]] - self.grid_s).min(axis=0)
-        return np.asarray(off_s <= self.grid_s[1] - self.grid_s[0])
+        """See `read_at`, shape (grid points,)."""
+        return read_at(self.grid_s, self._time_s)
 
     @property
     def averaged(self) -> float:

@@ -12,6 +12,7 @@ from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
 from testbench.knit.filters import log_conductance
 from testbench.knit.model import KnitModel
+from testbench.measurements.bins import read_at
 from testbench.measurements.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, SIGNAL_OF
 from testbench.recordings.channels import FORCE, RESISTANCE
 from testbench.recordings.recording import Recording
@@ -66,6 +67,11 @@ class Measurement:
     def grid_s(self) -> FloatArray:
         """Times of the grid points after the recording's first sample, shape (n,)."""
         return self.signals["time_s"] + self.start_s
+
+    @property
+    def is_read(self) -> np.ndarray:
+        """Whether each grid point was read, and not interpolated over a gap, shape (n,)."""
+        return read_at(self.grid_s, self.recording.time_s - self.recording.time_s[0])
 
     @property
     def channels(self) -> tuple[str, ...]:

@@ -30,8 +30,8 @@ def by_source(logs: Iterable[tuple[str, float]]) -> dict[str, float]:
 
 def prior_of(mechanisms: Collection[str]) -> dict[str, float]:
     """Prior probabilities of nothing, of unknown and of each mechanism, all of which are alike; they sum to 1."""
-    missing, unknown = 1 - constants.PRIOR_NOTHING, constants.PRIOR_UNKNOWN
-    shared = dict.fromkeys(mechanisms, missing * (1 - unknown) / max(len(mechanisms), 1))
+    missing, unknown = 1 - constants.PRIOR_NOTHING, constants.PRIOR_UNKNOWN if mechanisms else 1.0
+    shared = {name: missing * (1 - unknown) / len(mechanisms) for name in mechanisms}
     return {**shared, NOTHING: 1 - missing, UNKNOWN: missing * unknown}
 
 

@@ -89,7 +89,7 @@ class Hypothesis:
             slope = total[1 + index, 0] + prior[index] * (self.priors.mean[index] - self.vector[index])
             push = abs(slope) / np.sqrt(precision)
             found += 0.5 * push**2 + float(log_ndtr(-push)) + 0.5 * np.log(prior[index] / precision)
-        return float(found)
+        return float(found + np.sum(self.priors.over_gaussians(self.vector)[self.at_bound]))
 
     @property
     def opened(self) -> Hypothesis:

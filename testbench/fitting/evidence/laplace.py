@@ -15,6 +15,7 @@ from testbench.fitting.evidence.directions import Directions
 from testbench.fitting.evidence.evidence import NormalEquations, maximised, opened, scaled
 from testbench.fitting.evidence.hypothesis import Hypothesis, laws_still, pinned, rms, tail
 from testbench.fitting.evidence.likelihood import Likelihood
+from testbench.fitting.evidence.moved import costs_along, width, with_widths
 from testbench.fitting.evidence.priors import priors_of
 from testbench.fitting.parameters import HELD
 from testbench.fitting.sensitivity import derivatives
@@ -102,11 +103,15 @@ class _PosteriorFit:
         self.exact = not quick or moved
         self.stale = True
         self.held = np.zeros(len(self.x), bool)  # at a bound that the data push against
+        laws = model.effects
+        self.jumping = [i for i, p in enumerate(self.parameters) if p.place[1] in type(laws[p.place[0]]).jumps]
         self.linearise(range(len(self.x)) if moved else new)
         self.sigma = {c: max(trimmed_rms(rows[0]), likelihood.least[c]) for c, rows in self.columns.items()}
 
     def run(self, iterations: int, tell: Callable[[str], None]) -> Hypothesis:
         self.search(iterations, tell)
+        if self.leapt():
+            self.search(iterations, tell)
         # The last step may have taken a parameter off the bound that it was held at.
         at_bound = self.held & ((self.x <= self.parameters.low) | (self.x >= self.parameters.high))
         own = self.priors.group < 0
@@ -147,6 +152,24 @@ class _PosteriorFit:
         if not fresh:
             self.linearise(self.all)
 
+    def leapt(self) -> bool:
+        """Move parameters at which a law jumps to where the cost is least; whether that helped."""
+        before = self.x
+        for index in self.jumping:
+            steps, costs = costs_along(self.cost_at, self.x, index)
+            if costs.min() < self.cost_here() - AT_REST:
+                self.go(self.parameters.within(self.x + steps.flat[costs.argmin()] * np.eye(len(self.x))[index]))
+                self.linearise([])
+        if self.x is before:
+            return False
+        self.linearise(self.all)
+        return True
+
+    def widths(self) -> dict[int, float]:
+        """How well the data know the parameters at which a law jumps."""
+        here = self.cost_here()
+        return {index: width(costs_along(self.cost_at, self.x, index)[1], here) for index in self.jumping}
+
     def ended(self, held: np.ndarray, at_bound: np.ndarray) -> Hypothesis:
         """The point as a hypothesis of which these parameters are held, and these of them by their bounds alone."""
         for _ in range(FINAL_WEIGHTS):  # until the weights of outliers and the noise agree
@@ -154,7 +177,7 @@ class _PosteriorFit:
             before, self.sigma = self.sigma, rms(self.columns, robust, self.likelihood.least)
             if all(abs(np.log(self.sigma[c] / before[c])) < AGREED for c in before):
                 break
-        normal = self.all_normal(robust)
+        normal = with_widths(self.all_normal(robust), self.widths(), self.sigma)
         there = maximised(laws_still(pinned(normal, held)), self.sigma, scale=self.scale, iterations=1)
         evidence = replace(there, sigma=self.sigma, scale=self.scale)
         tails = self.tails(robust, evidence.sigma)

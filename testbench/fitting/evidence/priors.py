@@ -62,6 +62,11 @@ class Priors:
         off = self.scaled(factor) * (x - self.mean) ** 2
         return np.where(self.tails, np.log1p(off), 0.5 * off)
 
+    def over_gaussians(self, x: FloatArray) -> FloatArray:
+        """ln of the norms of the densities over those of the Gaussians of `precision_at`, shape (p,)."""
+        off = self.precision * (x - self.mean) ** 2
+        return np.where(self.tails, 0.5 * np.log((1 + off) / np.pi), 0.0)
+
     def of_tails(self, x: FloatArray) -> FloatArray:
         """By how much the log evidence is above that with the Gaussians of `precision_at`, shape (p,)."""
         return np.where(self.tails, tail_evidence(self.precision, x - self.mean), 0.0)
@@ -152,12 +157,14 @@ def _has_scale(effect: type[Effect], key: str) -> bool:
 
 
 def typical(effect: type[Effect], scales: Mapping[str, float]) -> float:
-    """Typical size of an effect's strength: as declared, on the scale of this sensor's force where it is a force."""
+    """Typical size of an effect's strength: as declared, or on the scale of this sensor's force or resistance."""
     extra = bounds_of(effect.model_fields[effect.strength])
     said = declared_size(effect, effect.strength)
     if extra["unit"] == "N":
         return (said or SHARE_OF_RANGE) / SHARE_OF_RANGE * scales["N"]
     if extra["unit"] == "1/N":
         return SHARE_OF_RANGE / scales["N"]
+    if extra["unit"] in scales.keys() & {"ohm", "S"}:
+        return scales[extra["unit"]]
     default = effect.model_fields[effect.strength].default
     return float(said or abs(default) or 0.1 * max(abs(extra["high"]), abs(extra["low"])))

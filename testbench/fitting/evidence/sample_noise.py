@@ -59,10 +59,10 @@ def likelihood_of(
     share = min(news / len(rows), 1.0)
     modelled = measurement.modelled(model)
     slope = _slopes(model, measurement, modelled)
-    weight, floor = {}, {}
+    weight, floor, is_read = {}, {}, measurement.is_read
     for channel, values in measurement.measured.items():
         speed = np.gradient(modelled[channel], measurement.signals["time_s"])[rows]
-        by_level = _noise_by_level(values)[rows]
+        by_level = _noise_by_level(values, is_read)[rows]
         read = noise[channel] * np.clip(by_level / np.median(by_level), 0.3, MOST_NOISE)
         sd = np.hypot(read, (slope[channel] * measurement.strain_noise)[rows])
         sd = np.hypot(sd, (jitter_s or {}).get(channel, 0.0) * speed)
@@ -96,9 +96,9 @@ def _slopes(model: KnitModel, measurement: Measurement, modelled: Mapping[str, F
     return {c: (channel_of(there, c) - here) / step for c, here in modelled.items()}
 
 
-def _noise_by_level(values: FloatArray) -> FloatArray:
-    """Standard deviation of the noise at each sample, from second differences among samples of its level."""
-    seen = values[within_range(values)]
+def _noise_by_level(values: FloatArray, is_read: np.ndarray) -> FloatArray:
+    """Standard deviation of the noise at each sample, from second differences among readings of its level."""
+    seen = values[within_range(values) & is_read]  # a straight line over a gap has no noise
     second, middle = np.diff(seen, 2) / np.sqrt(6), seen[1:-1]
     edges = np.quantile(middle, np.linspace(0, 1, LEVELS + 1))
     at, sd = [], []

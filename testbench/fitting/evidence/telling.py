@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from testbench.fitting import constants
+from testbench.knit.kernels import moves
 from testbench.measurements.coarser import coarser
 from testbench.measurements.measurement import Measurement
 
-MOTION_STEP, HOLD_STEP = 1e-4, 0.02  # of the range of the strain in a step; of the time since the motion ended
+MOTION_STEP, HOLD_STEP = 1e-4, 0.02  # of the range of the strain, from where it stood; of the time since it moved
 
 
 def on_the_grid(measurement: Measurement, finer: int = 1) -> Measurement:
@@ -21,11 +22,11 @@ def on_the_grid(measurement: Measurement, finer: int = 1) -> Measurement:
 def telling(measurement: Measurement) -> Measurement:
     """Only samples that say something new count: in a hold they repeat each other, ever more so.
 
-    All are kept while the knit moves; in a hold one after each `HOLD_STEP` of the time since the motion ended. A ramp
-    of seconds before a hold of hours would weigh nothing otherwise.
+    All are kept while the knit moves, however slowly; in a hold one after each `HOLD_STEP` of the time since it moved
+    last. A ramp of seconds before a hold of hours would weigh nothing otherwise.
     """
     strain, dt_s = measurement.signals["strain"], measurement.dt_s
-    moving = np.abs(np.diff(strain, prepend=strain[:1])) > MOTION_STEP * max(float(np.ptp(strain)), 1e-9)
+    moving = moves(strain, MOTION_STEP * max(float(np.ptp(strain)), 1e-9))
     index = np.arange(len(strain))
     still_s = (index - np.maximum.accumulate(np.where(moving, index, 0))) * dt_s
     passed = np.cumsum(dt_s / np.maximum(dt_s, HOLD_STEP * still_s))

@@ -35,6 +35,7 @@ class ClampSlip(ClampSlipLaw):
 
     name = "clamp_slip"
     strength = "fraction"
+    jumps = ("limit", "step")
     look = "force drops in a jump at a new largest stretch and stays lower at every strain"
 
     fraction: float = parameter(0.3, unit="1", low=0, high=0.9, doc="slip per step of strain beyond the limit")
@@ -67,6 +68,7 @@ class ClampSlipRepeated(ClampSlipLaw):
 
     name = "clamp_slip_repeated"
     nonlinear = True
+    jumps = ("limit",)
     look = "every high stretch costs a little force, in jumps, for ever"
 
     amount: float = parameter(0.002, unit="1", low=0, high=0.5, doc="slip per pass, as strain")
@@ -94,6 +96,7 @@ class ClampSlipOnce(ClampSlipLaw):
 
     name = "clamp_slip_once"
     nonlinear = True
+    jumps = ("when_s",)
     reads = ("time_s", "strain")
     look = "from one moment on everything looks as if the knit were a little longer"
 

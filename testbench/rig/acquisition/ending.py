@@ -1,4 +1,4 @@
-"""When a recording is over: the stage has come all of the planned way and stands, or it stands too long for a pause."""
+"""When a recording is over: the stage has come all of the planned way and stands, or stands too long for a pause."""
 
 from __future__ import annotations
 

@@ -1,0 +1,46 @@
+"""How well the data know a parameter at which a law jumps, found by moving it: a derivative says nothing there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from testbench.fitting.evidence.evidence import NormalEquations
+from testbench.knit.effect import FloatArray
+
+STEPS = 1e-4 * 4.0 ** np.arange(8)  # in the fit's coordinate: from far below a sample of the grid to a factor of five
+WORSE = 0.5  # nats by which the cost rises one standard deviation away from its least
+
+
+def costs_along(cost_at: Callable[[FloatArray], float], x: FloatArray, index: int) -> tuple[FloatArray, FloatArray]:
+    """Steps of one parameter to both sides, and the cost behind each, shape (2, steps)."""
+    steps = np.vstack((-STEPS, STEPS))
+    unit = np.eye(len(x))[index]
+    return steps, np.array([[cost_at(x + step * unit) for step in side] for side in steps])
+
+
+def width(costs: FloatArray, here: float) -> float:
+    """How far the parameter may go until the cost has risen by `WORSE`: the mean of both sides of `costs_along`."""
+    return float(np.mean([_one_side(side - here) for side in costs]))
+
+
+def _one_side(rise: FloatArray) -> float:
+    beyond = np.flatnonzero(rise >= WORSE)
+    if not len(beyond):
+        return float(STEPS[-1])
+    first = int(beyond[0])
+    nearer = float(STEPS[first - 1]) if first else 0.0
+    return max(float(STEPS[first]) * WORSE / float(rise[first]), nearer)
+
+
+def with_widths(normal: NormalEquations, widths: Mapping[int, float], sigma: Mapping[str, float]) -> NormalEquations:
+    """The normal equations in which these coefficients are known by their widths, whatever the others are."""
+    products = {c: gram.copy() for c, gram in normal.products.items()}
+    first, information = next(iter(normal.information(sigma).items()))
+    for index, known in widths.items():
+        for gram in products.values():
+            gram[index + 1, :] = gram[:, index + 1] = 0.0
+        products[first][index + 1, index + 1] = known**-2.0 / information
+    return replace(normal, products=products)
