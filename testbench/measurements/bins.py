@@ -7,11 +7,11 @@ import numpy as np
 from testbench.knit.effect import FloatArray
 
 
-def read_at(grid_s: FloatArray, time_s: FloatArray) -> np.ndarray:
-    """Whether a sample lies within a step of each grid point: what was interpolated over a gap is no reading."""
+def read_at(grid_s: FloatArray, time_s: FloatArray, step_s: float) -> np.ndarray:
+    """Whether a sample lies within `step_s` of each grid point: what was interpolated over a gap is no reading."""
     after = np.searchsorted(time_s, grid_s).clip(1, len(time_s) - 1)
     off_s = np.abs(time_s[[after - 1, after]] - grid_s).min(axis=0)
-    return np.asarray(off_s <= grid_s[1] - grid_s[0])
+    return np.asarray(off_s <= step_s)
 
 
 class Bins:
@@ -41,7 +41,7 @@ class Bins:
     @property
     def is_read(self) -> np.ndarray:
         """See `read_at`, shape (grid points,)."""
-        return read_at(self.grid_s, self._time_s)
+        return read_at(self.grid_s, self._time_s, self.grid_s[1] - self.grid_s[0])
 
     @property
     def averaged(self) -> float:

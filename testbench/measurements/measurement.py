@@ -71,7 +71,7 @@ class Measurement:
     @property
     def is_read(self) -> np.ndarray:
         """Whether each grid point was read, and not interpolated over a gap, shape (n,)."""
-        return read_at(self.grid_s, self.recording.time_s - self.recording.time_s[0])
+        return read_at(self.grid_s, self.recording.time_s - self.recording.time_s[0], self.dt_s)
 
     @property
     def channels(self) -> tuple[str, ...]:

@@ -21,6 +21,7 @@ from testbench.measurements.measurement import Measurement, channel_of, sampled
 from testbench.measurements.motion import reading_noise
 from testbench.measurements.noise_level import glitches, noise_floor, robust_sd, rounding, spread, within_range
 
+FEWEST = 50  # second differences from which a noise is estimated
 LEVELS, MOST_NOISE = 10, 30.0  # levels whose noise is told apart; largest over typical noise
 FINEST = 3e-6  # of the spread of a reading: 20 bits free of noise, the best of converters; simulations may have none
 
@@ -97,14 +98,20 @@ def _slopes(model: KnitModel, measurement: Measurement, modelled: Mapping[str, F
 
 
 def _noise_by_level(values: FloatArray, is_read: np.ndarray) -> FloatArray:
-    """Standard deviation of the noise at each sample, from second differences among readings of its level."""
-    seen = values[within_range(values) & is_read]  # a straight line over a gap has no noise
-    second, middle = np.diff(seen, 2) / np.sqrt(6), seen[1:-1]
+    """Standard deviation of the noise at each sample, from second differences among readings of its level.
+
+    Of three neighbours in the grid, all of which were read: a straight line over a gap has no noise.
+    """
+    usable = within_range(values) & is_read
+    three = usable[:-2] & usable[1:-1] & usable[2:]
+    if three.sum() < FEWEST:
+        return np.ones(len(values))
+    second, middle = np.diff(values, 2)[three] / np.sqrt(6), values[1:-1][three]
     edges = np.quantile(middle, np.linspace(0, 1, LEVELS + 1))
     at, sd = [], []
     for low, high in pairwise(edges):
         inside = (middle >= low) & (middle <= high)
-        if inside.sum() >= 50:
+        if inside.sum() >= FEWEST:
             at.append(float(np.median(middle[inside])))
             sd.append(robust_sd(second[inside]))
     overall = max(robust_sd(second), 1e-12)

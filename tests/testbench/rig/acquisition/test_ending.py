@@ -1,4 +1,4 @@
-"""A recording is over when the stage has come all of its way, however slow the machine is, and not at a pause before."""
+"""A recording is over when the stage has come all of its way, however slow the machine is, not at a pause before."""
 
 from __future__ import annotations
 
