@@ -15,7 +15,7 @@ from testbench.fitting.evidence.directions import Directions
 from testbench.fitting.evidence.evidence import NormalEquations, maximised, opened, scaled
 from testbench.fitting.evidence.hypothesis import Hypothesis, laws_still, pinned, rms, tail
 from testbench.fitting.evidence.likelihood import Likelihood
-from testbench.fitting.evidence.moved import costs_along, width, with_widths
+from testbench.fitting.evidence.moved import costs_along, lower_beside, width, with_widths
 from testbench.fitting.evidence.priors import priors_of
 from testbench.fitting.parameters import HELD
 from testbench.fitting.sensitivity import derivatives
@@ -156,9 +156,8 @@ class _PosteriorFit:
         """Move parameters at which a law jumps to where the cost is least; whether that helped."""
         before = self.x
         for index in self.jumping:
-            steps, costs = costs_along(self.cost_at, self.x, index)
-            if costs.min() < self.cost_here() - AT_REST:
-                self.go(self.parameters.within(self.x + steps.flat[costs.argmin()] * np.eye(len(self.x))[index]))
+            while (better := lower_beside(self.cost_at, self.x, index, self.cost_here() - AT_REST)) is not None:
+                self.go(self.parameters.within(better))
                 self.linearise([])
         if self.x is before:
             return False
@@ -168,7 +167,7 @@ class _PosteriorFit:
     def widths(self) -> dict[int, float]:
         """How well the data know the parameters at which a law jumps."""
         here = self.cost_here()
-        return {index: width(costs_along(self.cost_at, self.x, index)[1], here) for index in self.jumping}
+        return {index: width(costs_along(self.cost_at, self.x, index), here) for index in self.jumping}
 
     def ended(self, held: np.ndarray, at_bound: np.ndarray) -> Hypothesis:
         """The point as a hypothesis of which these parameters are held, and these of them by their bounds alone."""

@@ -10,15 +10,26 @@ import numpy as np
 from testbench.fitting.evidence.evidence import NormalEquations
 from testbench.knit.effect import FloatArray
 
+Cost = Callable[[FloatArray], float]
 STEPS = 1e-4 * 4.0 ** np.arange(8)  # in the fit's coordinate: from far below a sample of the grid to a factor of five
 WORSE = 0.5  # nats by which the cost rises one standard deviation away from its least
 
 
-def costs_along(cost_at: Callable[[FloatArray], float], x: FloatArray, index: int) -> tuple[FloatArray, FloatArray]:
-    """Steps of one parameter to both sides, and the cost behind each, shape (2, steps)."""
-    steps = np.vstack((-STEPS, STEPS))
-    unit = np.eye(len(x))[index]
-    return steps, np.array([[cost_at(x + step * unit) for step in side] for side in steps])
+def beside(x: FloatArray, index: int) -> FloatArray:
+    """The points to both sides of one parameter, shape (2, steps, p)."""
+    return x + np.multiply.outer(np.vstack((-STEPS, STEPS)), np.eye(len(x))[index])
+
+
+def costs_along(cost_at: Cost, x: FloatArray, index: int) -> FloatArray:
+    """The cost at each point `beside` one parameter, shape (2, steps)."""
+    return np.array([[cost_at(point) for point in side] for side in beside(x, index)])
+
+
+def lower_beside(cost_at: Cost, x: FloatArray, index: int, below: float) -> FloatArray | None:
+    """The best point `beside` one parameter, if its cost is lower than `below`."""
+    costs = costs_along(cost_at, x, index)
+    best = costs.argmin()
+    return beside(x, index).reshape(-1, len(x))[best] if costs.flat[best] < below else None
 
 
 def width(costs: FloatArray, here: float) -> float:

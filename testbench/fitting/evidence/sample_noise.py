@@ -19,9 +19,16 @@ from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement, channel_of, sampled
 from testbench.measurements.motion import reading_noise
-from testbench.measurements.noise_level import glitches, noise_floor, robust_sd, rounding, spread, within_range
+from testbench.measurements.noise_level import (
+    FEWEST,
+    glitches,
+    noise_floor,
+    robust_sd,
+    rounding,
+    spread,
+    within_range,
+)
 
-FEWEST = 50  # second differences from which a noise is estimated
 LEVELS, MOST_NOISE = 10, 30.0  # levels whose noise is told apart; largest over typical noise
 FINEST = 3e-6  # of the spread of a reading: 20 bits free of noise, the best of converters; simulations may have none
 

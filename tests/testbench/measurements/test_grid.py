@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from testbench.comparing.model_errors import noise_floors
-from testbench.fitting.evidence.telling import HOLD_STEP, telling
+from testbench.fitting.evidence.telling import HOLD_STEP, on_the_grid, telling
 from testbench.measurements import preparing
 from testbench.measurements.coarser import _turns_kept, coarser
 from testbench.measurements.preparing import prepare
@@ -71,6 +71,17 @@ def test_in_a_hold_that_is_sampled_rarely_samples_count_and_nothing_between_them
     np.testing.assert_allclose(held_s[:30], np.arange(210, 1110, 30), atol=measurement.dt_s)
     np.testing.assert_allclose(held_s, 30 * np.round(held_s / 30), atol=measurement.dt_s)
     assert np.diff(held_s).max() < 30 + HOLD_STEP * 3600
+
+
+@pytest.mark.parametrize("rate_hz", [2.0, 10.0, 40.0])
+@pytest.mark.parametrize("stroke_s", [60.0, 600.0, 3600.0])
+def test_a_slow_stroke_is_motion_at_every_rate(stroke_s, rate_hz):
+    time_s = np.arange(0, 2 * stroke_s, 1 / rate_hz)
+    strain = 0.3 * (1 - np.abs(time_s / stroke_s - 1))
+    force_N = 10 * strain + 1e-3 * np.random.default_rng(0).standard_normal(len(time_s))
+    slow = prepare(Recording(time_s, {DISPLACEMENT: GAUGE_LENGTH_MM * strain, FORCE: force_N}, GAUGE_LENGTH_MM))
+    assert telling(slow).counts.sum() > 0.8 * slow.counts.sum()
+    assert telling(on_the_grid(slow)).counts.sum() > 0.8 * on_the_grid(slow).counts.sum()
 
 
 @pytest.mark.parametrize("rate_hz", [12.0, 50.0])

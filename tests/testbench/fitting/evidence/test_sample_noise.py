@@ -1,0 +1,34 @@
+"""The noise that each sample is taken to have."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from testbench.fitting.evidence.sample_noise import likelihood_of, noise_of
+from testbench.fitting.evidence.telling import telling
+from testbench.measurements.preparing import prepare
+from tests.testbench.builders import NOISE_N, record, truth
+
+
+@pytest.mark.parametrize("gap_s", [60.0, 200.0, 3600.0])
+def test_a_gap_makes_no_sample_precise(gap_s):
+    whole = record(truth(), 180.0)
+    later = whole.time_s + gap_s * (whole.time_s > 90)
+    broken = telling(prepare(replace(whole, time_s=later)))
+    judged = likelihood_of(truth(), broken, noise_of(broken))
+    noise_N = judged.floor["force"] / judged.weight["force"]
+    assert judged.floor["force"] == pytest.approx(NOISE_N, rel=0.1)
+    assert noise_N.min() > 0.75 * NOISE_N
+
+
+def test_readings_that_are_all_far_apart_are_alike():
+    whole = record(truth(), 180.0)
+    kept = np.cumsum(np.random.default_rng(0).integers(1, 9, len(whole)))
+    kept = kept[kept < len(whole)]
+    sparse = replace(whole, time_s=whole.time_s[kept], channels={c: v[kept] for c, v in whole.channels.items()})
+    measurement = telling(prepare(sparse))
+    judged = likelihood_of(truth(), measurement, noise_of(measurement))
+    assert all(np.all(np.isfinite(weight)) for weight in judged.weight.values())
