@@ -108,8 +108,21 @@ class Hypothesis:
 
     @property
     def covariance(self) -> FloatArray:
-        """Of all parameters, shape (p, p): those of the base laws stay where they are only as models are compared."""
-        return maximised(self.normal, self.evidence.sigma, scale=self.evidence.scale, iterations=1).covariance
+        """Of all parameters, shape (p, p): those of the base laws stay where they are only as models are compared.
+
+        What is at a bound moves no other; its own variance is that on the near side, as if there were no bound.
+        """
+        found = self._covariance(self.normal)
+        held = np.flatnonzero(self.normal.precision == HELD)
+        if len(held):
+            believed = self.normal.precision.copy()
+            believed[held] = self.priors.precision_at(self.vector)[held]
+            free = self._covariance(replace(self.normal, precision=believed))
+            found[held, held] = free[held, held]
+        return found
+
+    def _covariance(self, normal: NormalEquations) -> FloatArray:
+        return maximised(normal, self.evidence.sigma, scale=self.evidence.scale, iterations=1).covariance
 
     @property
     def weighted(self) -> dict[str, FloatArray]:

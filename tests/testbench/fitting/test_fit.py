@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import minimize
@@ -18,7 +20,7 @@ from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import bounds_of
 from testbench.measurements.noise_level import noise_floor, robust_sd
 from testbench.measurements.preparing import prepare
-from tests.testbench.builders import NOISE_LN, NOISE_N, record, truth
+from tests.testbench.builders import CATALOGUE, NOISE_LN, NOISE_N, record, truth
 
 KNOWN = ("elasticity.stiffness_N", "elasticity.curvature", "hysteresis.friction_N", "hysteresis.threshold")
 
@@ -90,6 +92,29 @@ def test_a_parameter_on_its_bound_is_said():
     measurement = prepare(type(source)(source.time_s, falling, source.gauge_length_mm))
     result = fit(starting_baseline(measurement), measurement)
     assert "hysteresis.friction_N" in result.at_bound()
+    # As wide as what is known on the near side, not as the pin that holds it there.
+    assert 1e-4 < result.summary()["parameters"]["hysteresis.friction_N"]["standard_error"] < 1
+
+
+@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e4])
+def test_a_level_of_the_resistance_is_known_as_well_in_every_unit(unit):
+    whole = record(truth(), 120.0)
+    top_ohm = float(np.quantile(whole["resistance_ohm"], 0.8))
+    noise = np.exp(0.003 * np.random.default_rng(3).standard_normal(len(whole)))
+    clipped = {**whole.channels, "resistance_ohm": unit * noise * np.minimum(whole["resistance_ohm"], top_ohm)}
+    contact = truth()["contact"]
+    scaled = {
+        "contact.contact_resistance_ohm": contact.contact_resistance_ohm * unit,
+        "contact.parallel_S": contact.parallel_S / unit,
+        "contact.series_ohm": contact.series_ohm * unit,
+    }
+    start = truth().with_parameters(scaled).plus(CATALOGUE["adc_saturation_high"](floor_S=1.1 / (top_ohm * unit)))
+    found = fit(start, prepare(replace(whole, channels=clipped)))
+    address = "adc_saturation_high.floor_S"
+    entry = found.summary()["parameters"][address]
+    assert entry["value"] * top_ohm * unit == pytest.approx(1.0, abs=0.01)
+    assert entry["standard_error"] / entry["value"] < 0.002
+    assert address not in found.at_bound()
 
 
 def test_what_force_alone_cannot_tell_is_said():

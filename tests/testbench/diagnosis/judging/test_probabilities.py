@@ -5,12 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.diagnosis.judging.probabilities import UNKNOWN, over_errors
+from testbench.diagnosis.judging.probabilities import UNKNOWN, over_errors, prior_of
 
 
 def each_of_its_own(**chances: float) -> dict[str, dict[str, float]]:
     """Hypotheses each of which has a model of its own."""
     return {name: {name: float(np.log(chance))} for name, chance in chances.items()}
+
+
+@pytest.mark.parametrize("mechanisms", [[], ["slack"], ["slack", "buckling", "drift"]])
+def test_what_is_believed_before_sums_to_one(mechanisms):
+    believed = prior_of(mechanisms)
+    assert sum(believed.values()) == pytest.approx(1.0)
+    assert set(believed) == {"nothing", "unknown", *mechanisms}
 
 
 def test_a_few_nats_are_nearly_a_tie_and_thirty_are_none():

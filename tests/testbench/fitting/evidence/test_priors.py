@@ -26,6 +26,12 @@ def test_a_force_is_typically_a_tenth_of_the_range_and_friction_half_of_that():
     assert typical(CATALOGUE["hysteresis"], SCALES) == pytest.approx(0.4)
 
 
+def test_a_level_of_the_resistance_is_believed_on_the_scale_of_the_sensors_own():
+    measured = {**SCALES, "ohm": 2e6, "S": 5e-7}
+    assert typical(CATALOGUE["adc_saturation"], measured) == 2e6
+    assert typical(CATALOGUE["adc_saturation_high"], measured) == 5e-7
+
+
 def test_what_an_effect_declares_as_typical_is_what_is_believed():
     assert typical(CATALOGUE["stress_relaxation_findley"], SCALES) == 0.7  # its default is 0.4
 
