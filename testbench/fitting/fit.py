@@ -31,7 +31,8 @@ class Fit:
     vector : ndarray, shape (p,)
         Fitted coordinates.
     covariance : ndarray, shape (p, p)
-        Of the coordinates, with the autocorrelation of the residual allowed for.
+        Of the coordinates. The errors of a model go on for longer than those of a sample: one sample in 1.6 s counts,
+        and no more than in about 6 min, however long the recording is.
     believed : ndarray, shape (p,)
         Standard deviations of the coordinates before the data.
     scale : dict of channel to float

@@ -12,7 +12,7 @@ from testbench.measurements.preparing import MIN_STRAIN_RANGE, prepare
 from testbench.recordings.recording import Recording
 
 MOST_PLAY = 0.1  # of the gauge length: more is another set-up
-MIN_PART = 170  # samples that count in each part; the evidence is weighed in 40 blocks of every fourth sample
+MIN_PART = 170  # samples that count in each part
 
 
 def split(

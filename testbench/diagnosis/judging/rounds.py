@@ -287,7 +287,7 @@ class Round:
         return self._log_prior_bend(e) + EITHER > self.log_prior(e.mechanism)
 
     def verdict(self, whole: Whole | None = None) -> Verdict:
-        """What is said of the model before this round; `whole` as in `probabilities`.
+        """What is said of the model before this round; `whole`, as in `probabilities`, is for what has a name.
 
         A mechanism that is probable and explains too little is no name, but something is missing.
         """

@@ -43,7 +43,7 @@ class Candidate:
 
     def at(self, coefficient: float) -> Effect:
         """The effect at `coefficient` times the small strength, within its bounds."""
-        if self.from_data or is_vector(type(self.effect), self.effect.strength):
+        if self.from_data:
             return self.effect
         if self.effect.nonlinear:
             # The trace of a threshold does not scale with it: stay near the point that was tried.

@@ -181,8 +181,6 @@ class Screen:
 def amplitude_prior(candidate: Candidate, scales: Mapping[str, float]) -> tuple[float, float]:
     """Prior mean and precision of a trace's coefficient."""
     law = type(candidate.effect)
-    if is_vector(law, law.strength):
-        return 0.0, 1e-4
     if candidate.from_data or law.nonlinear:
         return 1.0, 1 / 0.3**2
     return 0.0, (candidate.strength / typical(law, scales)) ** 2

@@ -40,8 +40,8 @@ class Hypothesis:
     at_bound : ndarray of bool, shape (p,)
         Those of them that only their bounds hold.
     evidence : LogEvidence
-    log_z : float
-        With the tails of the noise.
+    tails : float
+        What the tails of the noise say more of outliers than its squares, in nats; in `log_z` they count.
     columns : dict of channel to ndarray, shape (p + 1, k)
         Residual and sensitivities at the samples that count, over their relative noise.
     robust : dict of channel to ndarray, shape (k,)
