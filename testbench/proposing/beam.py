@@ -151,9 +151,11 @@ class Beam:
         for point in points:
             by_place.setdefault(point[0].name, []).append(point)
         parts = [own[k : k + TOGETHER] for own in by_place.values() for k in range(0, len(own), TOGETHER)]
-        shares = [parts[k :: self.pool.count] for k in range(self.pool.count)]
-        found = self.pool.map(lambda share: [one for part in share for one in self.of_one_place(part)], shares)
-        return [one for share in found for one in share]
+        shares = [range(k, len(parts), self.pool.count) for k in range(self.pool.count)]
+        found = self.pool.map(lambda share: {k: self.of_one_place(parts[k]) for k in share}, shares)
+        by_part = {k: scored for share in found for k, scored in share.items()}
+        # In the order of the parts: which of two equal laws comes first must not depend on the number of cores.
+        return [one for k in range(len(parts)) for one in by_part[k]]
 
     def of_one_place(self, points: Sequence[tuple[Place, Term, dict[str, float]]]) -> list[Found]:
         """Score laws of one place with their parameters, all at once."""

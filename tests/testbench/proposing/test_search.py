@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from testbench.proposing.beam import Beam, Found, _condensed
+from testbench.proposing.beam import TOGETHER, Beam, Found, _condensed
 from testbench.proposing.grids import DAMPINGS
 from testbench.proposing.hunt import _best_of_each, finalists
 from testbench.proposing.laws.grammar import fits
@@ -208,3 +208,12 @@ def test_a_law_is_taken_back_where_the_mean_rises_or_one_channel_loses_more_than
     before, floors = {"force": 0.1, "conductance": 0.05}, {"force": 0.01, "conductance": 0.001}
     after = {"force": force * before["force"], "conductance": conductance * before["conductance"]}
     assert holds(before, after, floors) is held
+
+
+@pytest.mark.parametrize("cores", [1, 2, 3])
+def test_laws_are_scored_in_one_order_on_any_number_of_cores(cores):
+    points = [(SimpleNamespace(name=f"place {k % 3}"), k, {}) for k in range(20 * TOGETHER)]
+    pool = SimpleNamespace(count=cores, map=lambda work, shares: [work(share) for share in shares])
+    beam = SimpleNamespace(pool=pool, of_one_place=lambda part: [number for _, number, _ in part])
+    found = Beam.scored(beam, points)
+    assert found == [k for place in range(3) for k in range(len(points)) if k % 3 == place]
