@@ -72,7 +72,7 @@ def known_length(gauge_length_mm: float | None, source: str) -> float:
 
 def check_gauge_length(gauge_length_mm: float, source: str) -> None:
     """Raise `UserError`, which names `source`, unless it is a length that a sample can have."""
-    if not isinstance(gauge_length_mm, Real):
+    if isinstance(gauge_length_mm, bool) or not isinstance(gauge_length_mm, Real):
         kind = type(gauge_length_mm).__name__
         raise UserError(f"{source}: the gauge length must be a number of mm, got {gauge_length_mm!r} ({kind})")
     if not 0 < gauge_length_mm <= LONGEST_GAUGE_MM:

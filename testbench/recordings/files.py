@@ -35,7 +35,7 @@ def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Re
     Parameters
     ----------
     path : path
-        A ``recording.csv`` or a folder with a ``datapackage.json``.
+        A CSV, or a campaign: a folder with a ``datapackage.json``, or the ``recording.csv`` in it.
     gauge_length_mm : float, optional
         Needed for a bare CSV. A campaign knows its own, which is used; that another was given is said.
 
@@ -49,6 +49,8 @@ def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Re
         return _load_campaign(path, gauge_length_mm)
     if not path.exists():
         raise UserError(f"{path}: no such recording; give a CSV or a campaign folder")
+    if _is_of_a_campaign(path):
+        return _load_campaign(path.parent, gauge_length_mm)
     check_beside(path)
     columns = read_columns(path)
     if gauge_length_mm is None and DISPLACEMENT in columns:
@@ -56,6 +58,13 @@ def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Re
             f"{path}: a bare CSV does not know its gauge length; give --gauge-length-mm (in Python: gauge_length_mm)"
         )
     return _recording(path, columns, known_length(gauge_length_mm, str(path)))
+
+
+def _is_of_a_campaign(path: Path) -> bool:
+    """Whether this is the CSV of a campaign, whose manifest beside it knows the gauge length and what else was said."""
+    from testbench.recordings.manifest import CSV, is_campaign
+
+    return path.name == CSV and is_campaign(path.parent)
 
 
 def _load_campaign(folder: Path, gauge_length_mm: float | None) -> Recording:

@@ -97,6 +97,19 @@ def test_the_csv_of_a_campaign_is_held_against_the_manifest_beside_it(good, tmp_
     assert len(read_recording(good / "recording.csv", 25.0)) > 10
 
 
+def test_the_csv_of_a_campaign_knows_its_gauge_length(good):
+    inside, whole = read_recording(good / "recording.csv"), read_recording(good)
+    assert inside.gauge_length_mm == whole.gauge_length_mm
+    assert inside.metadata == whole.metadata
+
+
+@pytest.mark.parametrize("length", [True, "25"])
+def test_a_gauge_length_is_a_number(good, tmp_path, length):
+    shutil.copyfile(good / "recording.csv", tmp_path / "bare.csv")
+    with pytest.raises(UserError, match="the gauge length must be a number of mm"):
+        read_recording(tmp_path / "bare.csv", length)
+
+
 def test_a_file_that_no_manifest_lists_is_read_and_this_is_said(good, tmp_path, caplog, monkeypatch):
     monkeypatch.setattr(doubts, "_SAID", set())
     shutil.copytree(good, tmp_path / "c")
