@@ -61,7 +61,7 @@ def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Re
 
 
 def _is_of_a_campaign(path: Path) -> bool:
-    """Whether this is the CSV of a campaign, whose manifest beside it knows the gauge length and what else was said."""
+    """Whether this is the CSV of a campaign, whose manifest knows the gauge length and what else was said."""
     from testbench.recordings.manifest import CSV, is_campaign
 
     return path.name == CSV and is_campaign(path.parent)
