@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 from nicegui import ui
 
+from gcode.support.errors import UserError
 from gcode.support.files import copy_file, make_folder
 from testbench.comparing.words import spoken
 from testbench.recordings.manifest import CSV
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import about_model, same_source
+from testbench.results.result_files import read_diagnosis
+from testbench.studio.freshness import made_of
 from testbench.studio.jobs.job import Commands, Job, State
 from testbench.studio.parts.fields import check, number_field, typed
 from testbench.studio.parts.job_card import job_card
@@ -22,6 +26,7 @@ from testbench.studio.workspace import RESULTS, results_name
 LAST_THIRD = "the last third of this recording"
 PLAY = "Play of the clamps / mm"
 BEFORE = "model-before.json"
+ASKING = ("diagnose", "propose")  # jobs that look at a model, and whose answer is about that very one
 
 
 def model_path(studio: Studio, c: str) -> Path:
@@ -101,6 +106,11 @@ def steps_in(studio: Studio, c: str) -> int:
     return len(about_model(path).get("history", ())) if path.is_file() else 0
 
 
+def laws_in(studio: Studio, c: str) -> set[str]:
+    """The laws that the model of a campaign has, by their names in the catalogue."""
+    return {one["effect"] for one in about_model(model_path(studio, c))["history"][-1]["model"]["effects"]}
+
+
 def step_diagnosis(studio: Studio, c: str, step: int) -> Path:
     """Where the diagnosis that led to step number `step` of the ladder is kept."""
     return studio.workspace.results(c) / "diagnoses" / f"step-{step}.json"
@@ -119,26 +129,48 @@ def kept_diagnoses(studio: Studio, c: str) -> dict[int, Path]:
     return {step: path for step, path in paths.items() if path.is_file()}
 
 
-def is_fresh(studio: Studio, c: str) -> bool:
-    """Whether the diagnosis of a campaign was made of the model as it is now."""
-    found, mine = diagnosis_path(studio, c), model_path(studio, c)
-    return found.is_file() and mine.is_file() and found.stat().st_mtime >= mine.stat().st_mtime
+def is_fresh(studio: Studio, c: str, diagnosis: Mapping[str, Any] | None = None) -> bool:
+    """Whether a diagnosis was made of the model of a campaign as it is now; of the kept one, if none is given."""
+    if not has_model(studio, c):
+        return False
+    if diagnosis is None:
+        if not diagnosis_path(studio, c).is_file():
+            return False
+        diagnosis = read_diagnosis(diagnosis_path(studio, c))
+    mine = about_model(model_path(studio, c))
+    begun, steps = diagnosis.get("history") or (), mine.get("history") or ()
+    return bool(begun and steps) and made_of(begun[0], steps[-1], undone=not mine.get("fit"))
 
 
-def adopt_diagnosed(studio: Studio, c: str) -> None:
-    """Put the steps of the diagnosis on top of the campaign's own ladder.
+def refuse_while_asked(studio: Studio, c: str) -> None:
+    """Raise `UserError` while a question about the model of `c` is open: its answer would be about another model."""
+    for kind in ASKING:
+        if running := studio.jobs.under_way(f"{kind}:{c}"):
+            raise UserError(
+                f"{running.title}: this is still under way, and the model of {c} must stay as it is until it has "
+                "ended; wait for it, or stop it"
+            )
+
+
+def adopt_diagnosed(studio: Studio, c: str, diagnosis: Mapping[str, Any]) -> None:
+    """Put the steps of a diagnosis on top of the campaign's own ladder.
 
     Raises
     ------
     UserError
-        If either model file is missing or damaged.
+        If a model file is missing, damaged or not of this diagnosis, or a question about the model is open.
     """
     from testbench.comparing.ladder import continued
     from testbench.results.model_file import load_model_file
 
+    refuse_while_asked(studio, c)
     catalogue = studio.catalogue()
     mine = load_model_file(model_path(studio, c), catalogue)
     found = load_model_file(diagnosed_path(studio, c), catalogue)
+    same_answer = list(found.history) == list(diagnosis.get("history") or [])
+    same_judge = found.held_out == mine.held_out or same_source(found.held_out, mine.held_out)
+    if not (same_answer and same_judge and is_fresh(studio, c, diagnosis)):
+        raise UserError(f"{c}: the model or the diagnosis has changed since; ask again what is missing")
     continued(mine, found).save(model_path(studio, c))
 
 
@@ -153,6 +185,18 @@ def run_in_turn(studio: Studio, key: str, commands: Commands, holder: ui.column,
     """Run commands one after the other, each with its card; `done` when the last has ended well."""
     (title, argv), *rest = commands
     _show(studio, studio.jobs.start(key, title, argv, rest), holder, done)
+
+
+def change_model(studio: Studio, c: str, commands: Commands, holder: ui.column, done: Callable[[], None]) -> None:
+    """Run commands that change the model of a campaign; see `run_in_turn`.
+
+    Raises
+    ------
+    UserError
+        While a question about the model is open.
+    """
+    refuse_while_asked(studio, c)
+    run_in_turn(studio, f"model:{c}", commands, holder, done)
 
 
 def join_running(studio: Studio, key: str, holder: ui.column, done: Callable[[], None]) -> None:
@@ -199,10 +243,11 @@ def add_fit_form(studio: Studio, c: str, again: bool = False) -> None:
 
         def start() -> None:
             check(play)
+            refuse_while_asked(studio, c)
             if again:
                 copy_file(model_path(studio, c), model_path(studio, c).with_name(BEFORE))
             argv = _fit_command(studio, c, str(held.value), typed(play) if play.value else "")
-            run_in_turn(studio, f"model:{c}", [(f"Fitting the baseline to {c}", argv)], holder, ui.navigate.reload)
+            change_model(studio, c, [(f"Fitting the baseline to {c}", argv)], holder, ui.navigate.reload)
 
         words = "Fit the baseline anew" if again else "Fit the baseline"
         button = ui.button(words, icon="tune", on_click=lambda: attempt(start))

@@ -195,7 +195,7 @@ class _Ladder:
 
     def _undo(self, holder: ui.column) -> None:
         command = models.undo_command(self.studio, self.c)
-        models.run_in_turn(self.studio, f"model:{self.c}", [command], holder, ui.navigate.reload)
+        models.change_model(self.studio, self.c, [command], holder, ui.navigate.reload)
 
     def _report(self, holder: ui.column) -> None:
         folder = self.studio.workspace.results(self.c)

@@ -56,7 +56,7 @@ async def page(studio: Studio, c: str = "", pick: str = "", show: str = "", star
     _ask(studio, c, known=path.is_file())
     if path.is_file():
         diagnosis = read_diagnosis(str(path))
-        if path.stat().st_mtime < models.model_path(studio, c).stat().st_mtime:
+        if not models.is_fresh(studio, c, diagnosis):
             trouble("The model has changed since this diagnosis.", "Ask again to see what is missing now.")
         await _answer(studio, diagnosis, Address("/missing", c=c, pick=pick, show=show, start=start, end=end))
 
@@ -117,7 +117,7 @@ def _better_law(studio: Studio, c: str, laws: list[str]) -> None:
     def start() -> None:
         models.keep_diagnosis(studio, c)
         commands = [models.add_command(studio, c, law) for law in laws]
-        models.run_in_turn(studio, f"model:{c}", commands, holder, done)
+        models.change_model(studio, c, commands, holder, done)
 
     names = " and ".join(spoken(law) for law in laws)
     ui.button(f"Use {names}", icon="swap_horiz", on_click=lambda: attempt(start)).props("unelevated")
@@ -147,7 +147,7 @@ class _Candidates:
 
     def _adopt(self) -> None:
         models.keep_diagnosis(self.studio, self.c)
-        models.adopt_diagnosed(self.studio, self.c)
+        models.adopt_diagnosed(self.studio, self.c, self.diagnosis)
         ui.navigate.to(address("/ladder", c=self.c))
 
     def build(self, ranking: list[Mapping[str, Any]], chosen: Mapping[str, Any]) -> None:
@@ -227,14 +227,14 @@ class _Candidates:
         found = [one["law"] for one in self.diagnosis["found"]]
         # What the diagnosis has refitted already need not be fitted again: all that it found, or the shapes alone.
         if self._is_fresh() and (found == [entry["law"]] or (not found and self._base_misfits())):
-            models.adopt_diagnosed(self.studio, self.c)
+            models.adopt_diagnosed(self.studio, self.c, self.diagnosis)
             if found:
                 done()
                 return
         path = models.model_path(self.studio, self.c)
         laws = laws_with(self.diagnosis, entry["law"], path, self.studio.catalogue())
         commands = [models.add_command(self.studio, self.c, law) for law in laws]
-        models.run_in_turn(self.studio, f"model:{self.c}", commands, self.holder, done)
+        models.change_model(self.studio, self.c, commands, self.holder, done)
 
     def _base_misfits(self) -> bool:
         """Whether the base needs other laws or shapes, whatever else is missing."""
@@ -242,7 +242,8 @@ class _Candidates:
 
     def _is_fresh(self) -> bool:
         """Whether the diagnosis was made of the model as it is now, and its own model is there."""
-        return models.diagnosed_path(self.studio, self.c).is_file() and models.is_fresh(self.studio, self.c)
+        own = models.diagnosed_path(self.studio, self.c)
+        return own.is_file() and models.is_fresh(self.studio, self.c, self.diagnosis)
 
 
 def predicted(studio: Studio, c: str, diagnosis: Mapping[str, Any], entry: Mapping[str, Any]) -> ContributionResult:
