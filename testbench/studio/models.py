@@ -21,7 +21,6 @@ from testbench.studio.parts.fields import check, number_field, typed
 from testbench.studio.parts.job_card import job_card
 from testbench.studio.parts.widgets import attempt, subheading
 from testbench.studio.studio import Studio
-from testbench.studio.workspace import RESULTS, results_name
 
 LAST_THIRD = "the last third of this recording"
 PLAY = "Play of the clamps / mm"
@@ -35,8 +34,8 @@ def model_path(studio: Studio, c: str) -> Path:
 
 
 def has_model(studio: Studio, c: str) -> bool:
-    """Whether a campaign has been fitted; nothing is made by asking."""
-    return (studio.workspace.root / RESULTS / results_name(c) / "model.json").is_file()
+    """Whether a campaign has been fitted."""
+    return model_path(studio, c).is_file()
 
 
 def diagnosis_path(studio: Studio, c: str) -> Path:
@@ -138,7 +137,7 @@ def is_fresh(studio: Studio, c: str, diagnosis: Mapping[str, Any] | None = None)
             return False
         diagnosis = read_diagnosis(diagnosis_path(studio, c))
     mine = about_model(model_path(studio, c))
-    begun, steps = diagnosis.get("history") or (), mine.get("history") or ()
+    begun, steps = list(diagnosis.get("history") or ()), list(mine.get("history") or ())
     return bool(begun and steps) and made_of(begun[0], steps[-1], undone=not mine.get("fit"))
 
 
@@ -183,6 +182,7 @@ def undo_command(studio: Studio, c: str) -> tuple[str, list[str]]:
 
 def run_in_turn(studio: Studio, key: str, commands: Commands, holder: ui.column, done: Callable[[], None]) -> None:
     """Run commands one after the other, each with its card; `done` when the last has ended well."""
+    studio.make_results(key)
     (title, argv), *rest = commands
     _show(studio, studio.jobs.start(key, title, argv, rest), holder, done)
 
@@ -244,7 +244,7 @@ def add_fit_form(studio: Studio, c: str, again: bool = False) -> None:
         def start() -> None:
             check(play)
             refuse_while_asked(studio, c)
-            if again:
+            if has_model(studio, c):  # also where this tab does not know of it yet
                 copy_file(model_path(studio, c), model_path(studio, c).with_name(BEFORE))
             argv = _fit_command(studio, c, str(held.value), typed(play) if play.value else "")
             change_model(studio, c, [(f"Fitting the baseline to {c}", argv)], holder, ui.navigate.reload)

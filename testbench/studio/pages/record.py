@@ -8,6 +8,7 @@ from pathlib import Path
 from nicegui import ui
 
 from gcode.support.errors import UserError
+from gcode.support.files import make_folder
 from testbench.studio.pages.campaign.compensate import compensators
 from testbench.studio.pages.live import Live
 from testbench.studio.pages.plan import PROGRAMS, SENSORS
@@ -127,6 +128,7 @@ async def _simulated_port(studio: Studio, sensor: str, program: Path) -> str:
     if old:
         await studio.jobs.cancel(old)  # it may still be playing another program
     link = rig_port(studio)
+    make_folder(link.parent)
     link.unlink(missing_ok=True)
     argv = ["testbench", "rig", "--sensor", sensor, "--program", str(program), "--link", str(link)]
     rig = studio.jobs.start(KEY_RIG, f"Simulated rig, {sensor}", argv)

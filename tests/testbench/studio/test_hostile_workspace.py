@@ -187,6 +187,7 @@ def test_what_was_run_is_not_written_through_a_link(hostile, outside):
 
 def test_a_model_is_not_kept_through_a_link(hostile, outside):
     studio = Studio(hostile)
+    studio.make_results("model:good")
     diagnosis_path(studio, "good").write_text("{}")
     linked(step_diagnosis(studio, "good", 0), outside)
     keep_diagnosis(studio, "good")

@@ -19,6 +19,7 @@ from tests.testbench.studio.proposals import FOUND, write_proposal
 @pytest.fixture
 def proposed(studio: Studio, fitted_model: Path) -> Studio:
     """A studio with a model for ``sleeve`` and a law proposed for it."""
+    studio.make_results("model:sleeve")
     shutil.copy(fitted_model, models.model_path(studio, "sleeve"))
     write_proposal(proposed_law.folder_of(studio, "sleeve"), models.model_path(studio, "sleeve"))
     return studio

@@ -7,6 +7,7 @@ import json
 import os
 import shutil
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -134,6 +135,22 @@ async def test_the_model_stays_while_it_is_asked_about(user: User, fitted: Studi
         await user.should_see("Looking around: this is still under way, and the model of sleeve must stay as it is")
     assert len(fitted.jobs.jobs) == 1
     fitted.jobs.jobs.clear()
+
+
+async def test_a_tab_that_does_not_know_of_the_model_keeps_it_before_it_is_fitted_anew(
+    user: User, studio: Studio, fitted_model: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun: list[str] = []
+    monkeypatch.setattr(models, "change_model", lambda studio, c, *more: begun.append(c))
+    await user.open("/missing?c=sleeve")
+    await user.should_see("Fit the baseline")
+    studio.make_results("model:sleeve")
+    shutil.copy(fitted_model, models.model_path(studio, "sleeve"))
+    user.find(kind=ui.button, content="Fit the baseline").click()
+    await asyncio.sleep(0)
+    assert begun == ["sleeve"]
+    kept = studio.workspace.results("sleeve") / models.BEFORE
+    assert kept.read_bytes() == fitted_model.read_bytes()
 
 
 async def test_motions_for_an_earlier_diagnosis_are_not_shown(user: User, fitted: Studio) -> None:

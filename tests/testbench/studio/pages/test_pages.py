@@ -75,6 +75,7 @@ async def test_training_is_offered_for_each_target(user: User) -> None:
 
 
 async def test_a_score_is_shown_with_its_figures(user: User, studio: Studio) -> None:
+    studio.make_results("train:sleeve:force")
     (studio.workspace.results("sleeve") / "force.score.json").write_text(json.dumps(samples.score()))
     await user.open("/compensate?c=sleeve")
     await user.should_see("Export for the chip")
@@ -174,6 +175,7 @@ async def test_what_was_chosen_to_be_compared_stays_chosen_in_a_narrower_list(us
 
 
 async def test_a_compensator_is_compared_where_no_model_was_fitted(user: User, studio: Studio) -> None:
+    studio.make_results("train:sleeve:force")
     (studio.workspace.results("sleeve") / "force.score.json").write_text(json.dumps(samples.score()))
     await user.open("/side?a=sleeve&b=sleeve")
     await user.should_see("six half minutes", retries=50)
