@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from gcode.support.files import copy_file, make_folder
+from gcode.support.files import copy_file, make_folder, write_json
 from testbench.comparing.words import spoken
 from testbench.recordings.manifest import CSV
 from testbench.recordings.recording import Recording
@@ -25,6 +25,8 @@ from testbench.studio.studio import Studio
 LAST_THIRD = "the last third of this recording"
 PLAY = "Play of the clamps / mm"
 BEFORE = "model-before.json"
+LADDER = "ladder"  # in a kept diagnosis: the step that it was made of, and the name of the one that it led to
+Steps = Sequence[Mapping[str, Any]]
 ASKING = ("diagnose", "propose")  # jobs that look at a model, and whose answer is about that very one
 
 
@@ -115,17 +117,25 @@ def step_diagnosis(studio: Studio, c: str, step: int) -> Path:
     return studio.workspace.results(c) / "diagnoses" / f"step-{step}.json"
 
 
-def keep_diagnosis(studio: Studio, c: str) -> None:
-    """Keep the diagnosis that the next step of the ladder is taken for."""
-    target = step_diagnosis(studio, c, steps_in(studio, c))
+def keep_diagnosis(studio: Studio, c: str, diagnosis: Mapping[str, Any], before: Steps, led_to: str) -> None:
+    """Keep the diagnosis for which the step `led_to` was put on top of the steps `before`, and that it was so."""
+    target = step_diagnosis(studio, c, len(before))
     make_folder(target.parent)
-    copy_file(diagnosis_path(studio, c), target)
+    write_json(target, {**diagnosis, LADDER: {"after": before[-1], "led_to": led_to}})
 
 
 def kept_diagnoses(studio: Studio, c: str) -> dict[int, Path]:
     """The diagnoses that led to the steps of the ladder as it is now, by the number of the first step."""
-    paths = {step: step_diagnosis(studio, c, step) for step in range(1, steps_in(studio, c))}
-    return {step: path for step, path in paths.items() if path.is_file()}
+    if not has_model(studio, c):
+        return {}
+    history = about_model(model_path(studio, c)).get("history") or []
+    found = {}
+    for step in range(1, len(history)):
+        path = step_diagnosis(studio, c, step)
+        told = {"after": history[step - 1], "led_to": history[step]["step"]}
+        if path.is_file() and read_diagnosis(path).get(LADDER) == told:  # it may be of a ladder that is no more
+            found[step] = path
+    return found
 
 
 def is_fresh(studio: Studio, c: str, diagnosis: Mapping[str, Any] | None = None) -> bool:
@@ -171,6 +181,40 @@ def adopt_diagnosed(studio: Studio, c: str, diagnosis: Mapping[str, Any]) -> Non
     if not (same_answer and same_judge and is_fresh(studio, c, diagnosis)):
         raise UserError(f"{c}: the model or the diagnosis has changed since; ask again what is missing")
     continued(mine, found).save(model_path(studio, c))
+    if len(found.history) > 1:
+        keep_diagnosis(studio, c, diagnosis, mine.history, found.history[1]["step"])
+
+
+def check_is_lacking(studio: Studio, c: str, laws: Sequence[str]) -> list[str]:
+    """Those of `laws` that the model does not have; `UserError` where it has all of them."""
+    wanted = [law for law in laws if law not in laws_in(studio, c)]
+    if not wanted:
+        names = " and ".join(spoken(law) for law in laws)
+        raise UserError(f"{names}: it is in the model of {c} already; ask again to see what is missing now")
+    return wanted
+
+
+def add_laws(
+    studio: Studio,
+    c: str,
+    laws: Sequence[str],
+    diagnosis: Mapping[str, Any],
+    holder: ui.column,
+    done: Callable[[], None],
+) -> None:
+    """Put laws that a diagnosis asks for into the model, one after the other; it is kept where it is of this model.
+
+    Raises
+    ------
+    UserError
+        If all of them are in already, or a question about the model is open.
+    """
+    wanted = check_is_lacking(studio, c, laws)
+    refuse_while_asked(studio, c)
+    if is_fresh(studio, c, diagnosis) and not studio.jobs.under_way(f"model:{c}"):
+        before = about_model(model_path(studio, c))["history"]
+        keep_diagnosis(studio, c, diagnosis, before, f"+ {wanted[0]}")  # shown once there is such a step
+    change_model(studio, c, [add_command(studio, c, law) for law in wanted], holder, done)
 
 
 def undo_command(studio: Studio, c: str) -> tuple[str, list[str]]:

@@ -15,6 +15,7 @@ from gcode.support.files import make_folder, write_text
 from gcode.support.strict import OpenModel, load, read_text
 from testbench.recordings.stored import Finite, Label, Remark
 from testbench.results.model_file import Step, about_model
+from testbench.results.result_files import read_diagnosis
 from testbench.studio import models
 from testbench.studio.freshness import made_of
 from testbench.studio.studio import Studio
@@ -207,6 +208,8 @@ def _adopt(studio: Studio, c: str, kept: Kept) -> None:
     from testbench.results.model_file import load_model_file
 
     found = load_model_file(kept.folder / MODEL, studio.catalogue())
-    if models.is_fresh(studio, c):
-        models.keep_diagnosis(studio, c)
+    before = about_model(models.model_path(studio, c))["history"]
+    diagnosis = read_diagnosis(models.diagnosis_path(studio, c)) if models.is_fresh(studio, c) else None
     found.save(models.model_path(studio, c))
+    if diagnosis is not None:
+        models.keep_diagnosis(studio, c, diagnosis, before, found.history[len(before)]["step"])

@@ -148,8 +148,10 @@ class Workspace:
         Raises
         ------
         UserError
-            If a link leads it out of the workspace.
+            If a link leads it out of the workspace, or it can be none.
         """
+        if "\0" in name:
+            raise UserError(f"no campaign {name!r} in {self.root}; the list of campaigns shows what is there")
         return self.kept(results_name(name))
 
     def kept(self, *parts: str) -> Path:

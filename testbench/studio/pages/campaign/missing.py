@@ -87,7 +87,7 @@ async def _answer(studio: Studio, diagnosis: Mapping[str, Any], where: Address) 
         if base:
             ui.label(base).classes("quiet")
         if nothing and diagnosis.get("other_laws"):
-            _better_law(studio, c, list(diagnosis["other_laws"]))
+            _better_law(studio, c, diagnosis)
     ranking = diagnosis["ranking"][:SHOWN]
     if not nothing:
         with ui.row():
@@ -109,16 +109,14 @@ async def _answer(studio: Studio, diagnosis: Mapping[str, Any], where: Address) 
     candidates.build(ranking, chosen)
 
 
-def _better_law(studio: Studio, c: str, laws: list[str]) -> None:
+def _better_law(studio: Studio, c: str, diagnosis: Mapping[str, Any]) -> None:
     """Nothing is missing, but another law suits the sensor better than the one of the base."""
+    laws = [law for law in diagnosis["other_laws"] if law not in models.laws_in(studio, c)]
+    if not laws:
+        return
     holder = ui.column().classes("w-full")
     done = partial(ui.navigate.to, address("/ladder", c=c))
-
-    def start() -> None:
-        models.keep_diagnosis(studio, c)
-        commands = [models.add_command(studio, c, law) for law in laws]
-        models.change_model(studio, c, commands, holder, done)
-
+    start = partial(models.add_laws, studio, c, laws, diagnosis, holder, done)
     names = " and ".join(spoken(law) for law in laws)
     ui.button(f"Use {names}", icon="swap_horiz", on_click=lambda: attempt(start)).props("unelevated")
 
@@ -146,7 +144,6 @@ class _Candidates:
             button.on_click(lambda: attempt(self._adopt)).props("unelevated color=accent")
 
     def _adopt(self) -> None:
-        models.keep_diagnosis(self.studio, self.c)
         models.adopt_diagnosed(self.studio, self.c, self.diagnosis)
         ui.navigate.to(address("/ladder", c=self.c))
 
@@ -193,7 +190,9 @@ class _Candidates:
         with self.detail:
             with ui.row().classes("items-center justify-between w-full"):
                 subheading(spoken(entry["law"]), shown.effect.look)
-                if self.diagnosis["verdict"] != "nothing_missing":
+                if entry["law"] in models.laws_in(self.studio, self.c):
+                    ui.label("in the model already").classes("tag made")
+                elif self.diagnosis["verdict"] != "nothing_missing":
                     add = ui.button(f"Add {spoken(entry['law'])}", icon="add").props("unelevated color=accent")
                     add.on_click(lambda: attempt(lambda: self._add(entry)))
             self.holder = ui.column().classes("w-full")
@@ -222,7 +221,7 @@ class _Candidates:
     def _add(self, entry: Mapping[str, Any]) -> None:
         from testbench.api.models.adding import laws_with
 
-        models.keep_diagnosis(self.studio, self.c)
+        models.check_is_lacking(self.studio, self.c, [entry["law"]])
         done = partial(ui.navigate.to, address("/ladder", c=self.c))
         found = [one["law"] for one in self.diagnosis["found"]]
         # What the diagnosis has refitted already need not be fitted again: all that it found, or the shapes alone.
@@ -233,8 +232,7 @@ class _Candidates:
                 return
         path = models.model_path(self.studio, self.c)
         laws = laws_with(self.diagnosis, entry["law"], path, self.studio.catalogue())
-        commands = [models.add_command(self.studio, self.c, law) for law in laws]
-        models.change_model(self.studio, self.c, commands, self.holder, done)
+        models.add_laws(self.studio, self.c, laws, self.diagnosis, self.holder, done)
 
     def _base_misfits(self) -> bool:
         """Whether the base needs other laws or shapes, whatever else is missing."""

@@ -215,20 +215,61 @@ async def test_a_stale_tab_does_not_adopt_what_a_later_diagnosis_found(fitted: S
     assert models.steps_in(fitted, "sleeve") == 1
 
 
-async def test_the_diagnosis_of_each_step_is_kept(user: User, fitted: Studio) -> None:
-    with_diagnosis(fitted)
-    models.keep_diagnosis(fitted, "sleeve")
-    assert models.kept_diagnoses(fitted, "sleeve") == {}, "the step has not been taken yet"
-    path = models.model_path(fitted, "sleeve")
+def with_step(studio: Studio, name: str) -> None:
+    """One more step on the ladder of ``sleeve``, as `testbench add` would put it there."""
+    path = models.model_path(studio, "sleeve")
     data = json.loads(path.read_text())
-    data["history"].append(data["history"][0] | {"step": "+ stress_relaxation"})
+    data["history"].append(data["history"][0] | {"step": f"+ {name}"})
     path.write_text(json.dumps(data))
+
+
+async def test_the_diagnosis_of_each_step_is_kept(
+    user: User, fitted: Studio, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with_diagnosis(fitted)
+    monkeypatch.setattr(models, "change_model", lambda *some: None)
+    diagnosis = read_diagnosis(models.diagnosis_path(fitted, "sleeve"))
+    models.add_laws(fitted, "sleeve", ["stress_relaxation"], diagnosis, None, lambda: None)
+    assert models.kept_diagnoses(fitted, "sleeve") == {}, "the step has not been taken yet"
+    with_step(fitted, "stress_relaxation")
     with_diagnosis(fitted, "nothing_missing")
     kept = models.kept_diagnoses(fitted, "sleeve")
     assert list(kept) == [1]
-    assert json.loads(kept[1].read_text())["verdict"] == "missing"
+    assert read_diagnosis(kept[1])["verdict"] == "missing"
     await user.open("/ladder?c=sleeve")
     await user.should_see("The diagnosis that led to step 1, stress relaxation", retries=50)
+
+
+async def test_a_diagnosis_is_not_told_of_a_step_that_it_did_not_lead_to(fitted: Studio, fitted_model: Path) -> None:
+    with_diagnosis(fitted)
+    diagnosis = read_diagnosis(models.diagnosis_path(fitted, "sleeve"))
+    before = list(diagnosis["history"])
+    models.keep_diagnosis(fitted, "sleeve", diagnosis, before, "+ stress_relaxation")
+    with_step(fitted, "slack")
+    assert models.kept_diagnoses(fitted, "sleeve") == {}, "another step was taken after the first was undone"
+    shutil.copy(fitted_model, models.model_path(fitted, "sleeve"))
+    with_step(fitted, "stress_relaxation")
+    assert list(models.kept_diagnoses(fitted, "sleeve")) == [1]
+    refit_elsewhere(fitted)
+    assert models.kept_diagnoses(fitted, "sleeve") == {}, "the baseline was fitted anew"
+
+
+async def test_what_is_in_the_model_already_is_not_added_again(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    await user.open("/missing?c=sleeve")
+    await user.should_see("Add stress relaxation", retries=100)
+    path = models.model_path(fitted, "sleeve")
+    data = json.loads(path.read_text())
+    data["history"][-1]["model"]["effects"].append(
+        {"name": "relaxed", "effect": "stress_relaxation", "parameters": {}}
+    )
+    path.write_text(json.dumps(data))
+    user.find(kind=ui.button, content="Add stress relaxation").click()
+    await user.should_see("stress relaxation: it is in the model of sleeve already; ask again")
+    assert not models.step_diagnosis(fitted, "sleeve", 1).exists()
+    await user.open("/missing?c=sleeve")
+    await user.should_see("in the model already", retries=100)
+    await user.should_not_see("Add stress relaxation")
 
 
 async def test_commands_of_a_campaign_are_kept(studio: Studio) -> None:
