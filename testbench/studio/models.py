@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -181,6 +182,9 @@ def adopt_diagnosed(studio: Studio, c: str, diagnosis: Mapping[str, Any]) -> Non
     if not (same_answer and same_judge and is_fresh(studio, c, diagnosis)):
         raise UserError(f"{c}: the model or the diagnosis has changed since; ask again what is missing")
     continued(mine, found).save(model_path(studio, c))
+    copied = shlex.join(["cp", str(diagnosed_path(studio, c)), str(model_path(studio, c))])
+    above = f"  # its steps on top of the {len(mine.history)} that were there" if len(mine.history) > 1 else ""
+    studio.keep_command(c, copied + above)
     if len(found.history) > 1:
         keep_diagnosis(studio, c, diagnosis, mine.history, found.history[1]["step"])
 
@@ -281,6 +285,7 @@ def add_fit_form(studio: Studio, c: str, again: bool = False) -> None:
             held = ui.select(choices, value=held_out_of(studio, c) if again else choices[0], label="Held out")
             held.props("outlined dense").style("min-width:min(300px, 84vw)")
             play = number_field(PLAY, None, positive=False, optional=True).props('hint="empty: not clamped anew"')
+            play.style("width:240px")  # its label is long
             play.tooltip("where the sensor was clamped anew: by how much the zero of its displacement may have moved")
             play.bind_visibility_from(held, "value", backward=lambda value: value != LAST_THIRD)
         holder = ui.column().classes("w-full")

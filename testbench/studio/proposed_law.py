@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
@@ -211,5 +212,8 @@ def _adopt(studio: Studio, c: str, kept: Kept) -> None:
     before = about_model(models.model_path(studio, c))["history"]
     diagnosis = read_diagnosis(models.diagnosis_path(studio, c)) if models.is_fresh(studio, c) else None
     found.save(models.model_path(studio, c))
+    code = shlex.quote(str(kept.folder / f"{kept.found.laws[0].effect}.py"))
+    studio.keep_command(c, f"cat {code} >> {shlex.quote(str(studio.effects_path))}")
+    studio.keep_command(c, shlex.join(["cp", str(kept.folder / MODEL), str(models.model_path(studio, c))]))
     if diagnosis is not None:
         models.keep_diagnosis(studio, c, diagnosis, before, found.history[len(before)]["step"])

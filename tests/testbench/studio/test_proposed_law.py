@@ -36,6 +36,8 @@ def test_a_law_that_is_added_joins_the_own_effects_and_the_ladder(proposed: Stud
     proposed_law.take(proposed, "sleeve", kept(proposed))
     assert "sleeve_law" in proposed.catalogue().effects
     assert models.steps_in(proposed, "sleeve") == 2
+    done = [line.partition("  ")[2].split()[0] for line in proposed.commands_path("sleeve").read_text().splitlines()]
+    assert done == ["cat", "cp"], "the log leads to the model as it is"
     assert not kept(proposed).fresh, "what is in already is not offered again"
     assert proposed_law.free_law_name(proposed, "sleeve") == "sleeve_law_2"
 

@@ -193,6 +193,9 @@ def with_diagnosed(studio: Studio, *names: str) -> dict[str, Any]:
 async def test_what_the_diagnosis_put_in_goes_on_top_of_the_ladder_once(fitted: Studio) -> None:
     diagnosis = with_diagnosed(fitted, "slack")
     models.adopt_diagnosed(fitted, "sleeve", diagnosis)
+    (line,) = fitted.commands_path("sleeve").read_text().splitlines()
+    copied = f"  cp {models.diagnosed_path(fitted, 'sleeve')} {models.model_path(fitted, 'sleeve')}"
+    assert line.endswith(copied), "the log leads to the model as it is"
     with pytest.raises(UserError, match="sleeve: the model or the diagnosis has changed since"):
         models.adopt_diagnosed(fitted, "sleeve", diagnosis)
     steps = [step["step"] for step in json.loads(models.model_path(fitted, "sleeve").read_text())["history"]]
