@@ -49,7 +49,7 @@ SHOWN = 8
 async def page(studio: Studio, c: str = "", pick: str = "", show: str = "", start: str = "", end: str = "") -> None:
     """The diagnosis of campaign `c`; `pick` is the candidate that is looked at, from `start` to `end` in seconds."""
     campaign_head(c, "/missing", show)
-    if not models.model_path(studio, c).is_file():
+    if not models.has_model(studio, c):
         models.add_fit_form(studio, c)
         return
     path = models.diagnosis_path(studio, c)
