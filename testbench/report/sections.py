@@ -43,8 +43,10 @@ def recording_section(recording: Recording, title: str, key: str, resistance: bo
     if loops:
         caption = "Loops of six half minutes, the first dark, the last light: a shift along the colours is drift."
         items.append(Picture(f"{key}-loops", loops, caption))
-    caption = "How often each value occurred; the speed is taken at 20 Hz."
-    items.append(Picture(f"{key}-distributions", recording_figures.distributions(recording, resistance), caption))
+    shares = recording_figures.distributions(recording, resistance)
+    if shares:
+        caption = "How often each value occurred; the speed is taken at 20 Hz."
+        items.append(Picture(f"{key}-distributions", shares, caption))
     return Section(title, items)
 
 

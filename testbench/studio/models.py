@@ -2,26 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import shlex
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from nicegui import ui
 
-from gcode.support.files import copy_file, make_folder
+from gcode.support.errors import UserError
+from gcode.support.files import copy_file, make_folder, write_json
 from testbench.comparing.words import spoken
 from testbench.recordings.manifest import CSV
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import about_model, same_source
+from testbench.results.result_files import read_diagnosis
+from testbench.studio.freshness import made_of
 from testbench.studio.jobs.job import Commands, Job, State
 from testbench.studio.parts.fields import check, number_field, typed
 from testbench.studio.parts.job_card import job_card
 from testbench.studio.parts.widgets import attempt, subheading
 from testbench.studio.studio import Studio
-from testbench.studio.workspace import RESULTS, results_name
 
 LAST_THIRD = "the last third of this recording"
 PLAY = "Play of the clamps / mm"
 BEFORE = "model-before.json"
+LADDER = "ladder"  # in a kept diagnosis: the step that it was made of, and the name of the one that it led to
+Steps = Sequence[Mapping[str, Any]]
+ASKING = ("diagnose", "propose")  # jobs that look at a model, and whose answer is about that very one
 
 
 def model_path(studio: Studio, c: str) -> Path:
@@ -30,8 +37,8 @@ def model_path(studio: Studio, c: str) -> Path:
 
 
 def has_model(studio: Studio, c: str) -> bool:
-    """Whether a campaign has been fitted; nothing is made by asking."""
-    return (studio.workspace.root / RESULTS / results_name(c) / "model.json").is_file()
+    """Whether a campaign has been fitted."""
+    return model_path(studio, c).is_file()
 
 
 def diagnosis_path(studio: Studio, c: str) -> Path:
@@ -101,45 +108,117 @@ def steps_in(studio: Studio, c: str) -> int:
     return len(about_model(path).get("history", ())) if path.is_file() else 0
 
 
+def laws_in(studio: Studio, c: str) -> set[str]:
+    """The laws that the model of a campaign has, by their names in the catalogue."""
+    return {one["effect"] for one in about_model(model_path(studio, c))["history"][-1]["model"]["effects"]}
+
+
 def step_diagnosis(studio: Studio, c: str, step: int) -> Path:
     """Where the diagnosis that led to step number `step` of the ladder is kept."""
     return studio.workspace.results(c) / "diagnoses" / f"step-{step}.json"
 
 
-def keep_diagnosis(studio: Studio, c: str) -> None:
-    """Keep the diagnosis that the next step of the ladder is taken for."""
-    target = step_diagnosis(studio, c, steps_in(studio, c))
+def keep_diagnosis(studio: Studio, c: str, diagnosis: Mapping[str, Any], before: Steps, led_to: str) -> None:
+    """Keep the diagnosis for which the step `led_to` was put on top of the steps `before`, and that it was so."""
+    target = step_diagnosis(studio, c, len(before))
     make_folder(target.parent)
-    copy_file(diagnosis_path(studio, c), target)
+    write_json(target, {**diagnosis, LADDER: {"after": before[-1], "led_to": led_to}})
 
 
 def kept_diagnoses(studio: Studio, c: str) -> dict[int, Path]:
     """The diagnoses that led to the steps of the ladder as it is now, by the number of the first step."""
-    paths = {step: step_diagnosis(studio, c, step) for step in range(1, steps_in(studio, c))}
-    return {step: path for step, path in paths.items() if path.is_file()}
+    if not has_model(studio, c):
+        return {}
+    history = about_model(model_path(studio, c)).get("history") or []
+    found = {}
+    for step in range(1, len(history)):
+        path = step_diagnosis(studio, c, step)
+        told = {"after": history[step - 1], "led_to": history[step]["step"]}
+        if path.is_file() and read_diagnosis(path).get(LADDER) == told:  # it may be of a ladder that is no more
+            found[step] = path
+    return found
 
 
-def is_fresh(studio: Studio, c: str) -> bool:
-    """Whether the diagnosis of a campaign was made of the model as it is now."""
-    found, mine = diagnosis_path(studio, c), model_path(studio, c)
-    return found.is_file() and mine.is_file() and found.stat().st_mtime >= mine.stat().st_mtime
+def is_fresh(studio: Studio, c: str, diagnosis: Mapping[str, Any] | None = None) -> bool:
+    """Whether a diagnosis was made of the model of a campaign as it is now; of the kept one, if none is given."""
+    if not has_model(studio, c):
+        return False
+    if diagnosis is None:
+        if not diagnosis_path(studio, c).is_file():
+            return False
+        diagnosis = read_diagnosis(diagnosis_path(studio, c))
+    mine = about_model(model_path(studio, c))
+    begun, steps = list(diagnosis.get("history") or ()), list(mine.get("history") or ())
+    return bool(begun and steps) and made_of(begun[0], steps[-1], undone=not mine.get("fit"))
 
 
-def adopt_diagnosed(studio: Studio, c: str) -> None:
-    """Put the steps of the diagnosis on top of the campaign's own ladder.
+def refuse_while_asked(studio: Studio, c: str) -> None:
+    """Raise `UserError` while a question about the model of `c` is open: its answer would be about another model."""
+    for kind in ASKING:
+        if running := studio.jobs.under_way(f"{kind}:{c}"):
+            raise UserError(
+                f"{running.title}: this is still under way, and the model of {c} must stay as it is until it has "
+                "ended; wait for it, or stop it"
+            )
+
+
+def adopt_diagnosed(studio: Studio, c: str, diagnosis: Mapping[str, Any]) -> None:
+    """Put the steps of a diagnosis on top of the campaign's own ladder.
 
     Raises
     ------
     UserError
-        If either model file is missing or damaged.
+        If a model file is missing, damaged or not of this diagnosis, or a question about the model is open.
     """
     from testbench.comparing.ladder import continued
     from testbench.results.model_file import load_model_file
 
+    refuse_while_asked(studio, c)
     catalogue = studio.catalogue()
     mine = load_model_file(model_path(studio, c), catalogue)
     found = load_model_file(diagnosed_path(studio, c), catalogue)
+    same_answer = list(found.history) == list(diagnosis.get("history") or [])
+    same_judge = found.held_out == mine.held_out or same_source(found.held_out, mine.held_out)
+    if not (same_answer and same_judge and is_fresh(studio, c, diagnosis)):
+        raise UserError(f"{c}: the model or the diagnosis has changed since; ask again what is missing")
     continued(mine, found).save(model_path(studio, c))
+    copied = shlex.join(["cp", str(diagnosed_path(studio, c)), str(model_path(studio, c))])
+    above = f"  # its steps on top of the {len(mine.history)} that were there" if len(mine.history) > 1 else ""
+    studio.keep_command(c, copied + above)
+    if len(found.history) > 1:
+        keep_diagnosis(studio, c, diagnosis, mine.history, found.history[1]["step"])
+
+
+def check_is_lacking(studio: Studio, c: str, laws: Sequence[str]) -> list[str]:
+    """Those of `laws` that the model does not have; `UserError` where it has all of them."""
+    wanted = [law for law in laws if law not in laws_in(studio, c)]
+    if not wanted:
+        names = " and ".join(spoken(law) for law in laws)
+        raise UserError(f"{names}: it is in the model of {c} already; ask again to see what is missing now")
+    return wanted
+
+
+def add_laws(
+    studio: Studio,
+    c: str,
+    laws: Sequence[str],
+    diagnosis: Mapping[str, Any],
+    holder: ui.column,
+    done: Callable[[], None],
+) -> None:
+    """Put laws that a diagnosis asks for into the model, one after the other; it is kept where it is of this model.
+
+    Raises
+    ------
+    UserError
+        If all of them are in already, or a question about the model is open.
+    """
+    wanted = check_is_lacking(studio, c, laws)
+    refuse_while_asked(studio, c)
+    if is_fresh(studio, c, diagnosis) and not studio.jobs.under_way(f"model:{c}"):
+        before = about_model(model_path(studio, c))["history"]
+        keep_diagnosis(studio, c, diagnosis, before, f"+ {wanted[0]}")  # shown once there is such a step
+    change_model(studio, c, [add_command(studio, c, law) for law in wanted], holder, done)
 
 
 def undo_command(studio: Studio, c: str) -> tuple[str, list[str]]:
@@ -151,8 +230,21 @@ def undo_command(studio: Studio, c: str) -> tuple[str, list[str]]:
 
 def run_in_turn(studio: Studio, key: str, commands: Commands, holder: ui.column, done: Callable[[], None]) -> None:
     """Run commands one after the other, each with its card; `done` when the last has ended well."""
+    studio.make_results(key)
     (title, argv), *rest = commands
     _show(studio, studio.jobs.start(key, title, argv, rest), holder, done)
+
+
+def change_model(studio: Studio, c: str, commands: Commands, holder: ui.column, done: Callable[[], None]) -> None:
+    """Run commands that change the model of a campaign; see `run_in_turn`.
+
+    Raises
+    ------
+    UserError
+        While a question about the model is open.
+    """
+    refuse_while_asked(studio, c)
+    run_in_turn(studio, f"model:{c}", commands, holder, done)
 
 
 def join_running(studio: Studio, key: str, holder: ui.column, done: Callable[[], None]) -> None:
@@ -193,16 +285,18 @@ def add_fit_form(studio: Studio, c: str, again: bool = False) -> None:
             held = ui.select(choices, value=held_out_of(studio, c) if again else choices[0], label="Held out")
             held.props("outlined dense").style("min-width:min(300px, 84vw)")
             play = number_field(PLAY, None, positive=False, optional=True).props('hint="empty: not clamped anew"')
+            play.style("width:240px")  # its label is long
             play.tooltip("where the sensor was clamped anew: by how much the zero of its displacement may have moved")
             play.bind_visibility_from(held, "value", backward=lambda value: value != LAST_THIRD)
         holder = ui.column().classes("w-full")
 
         def start() -> None:
             check(play)
-            if again:
+            refuse_while_asked(studio, c)
+            if has_model(studio, c):  # also where this tab does not know of it yet
                 copy_file(model_path(studio, c), model_path(studio, c).with_name(BEFORE))
             argv = _fit_command(studio, c, str(held.value), typed(play) if play.value else "")
-            run_in_turn(studio, f"model:{c}", [(f"Fitting the baseline to {c}", argv)], holder, ui.navigate.reload)
+            change_model(studio, c, [(f"Fitting the baseline to {c}", argv)], holder, ui.navigate.reload)
 
         words = "Fit the baseline anew" if again else "Fit the baseline"
         button = ui.button(words, icon="tune", on_click=lambda: attempt(start))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +15,10 @@ from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
 from gcode.support.strict import OpenModel, load, read_text
 from testbench.recordings.stored import Finite, Label, Remark
+from testbench.results.model_file import Step, about_model
+from testbench.results.result_files import read_diagnosis
 from testbench.studio import models
+from testbench.studio.freshness import made_of
 from testbench.studio.studio import Studio
 
 FOLDER = "proposal"  # below the results of a campaign
@@ -53,6 +57,7 @@ class Proposal(OpenModel):
     error_before: dict[Label, Finite]
     error_after: dict[Label, Finite]
     noise_floor: dict[Label, Finite]
+    history: Annotated[list[Step], Field(max_length=1000)] = Field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -107,8 +112,18 @@ def kept_proposal(studio: Studio, c: str) -> Kept | None:
         if not path.is_file():
             return None  # it was stopped while it wrote
         code = read_text(path, "proposed effect", LARGEST_EFFECT_BYTES)
-    fresh = (folder / JSON).stat().st_mtime >= models.model_path(studio, c).stat().st_mtime
-    return Kept(found, folder, code, fresh)
+    return Kept(found, folder, code, _is_fresh(studio, c, found))
+
+
+def _is_fresh(studio: Studio, c: str, found: Proposal) -> bool:
+    """Whether a proposal was made of the model as it is now, and its laws are not in yet."""
+    mine = about_model(models.model_path(studio, c))
+    steps, fitted = mine.get("history") or [], bool(mine.get("fit"))
+    if not steps or len(found.history) < len(steps):
+        return False
+    begun = found.history[len(steps) - 1].model_dump(mode="json", exclude_unset=True)
+    taken = models.laws_in(studio, c) & {law.effect for law in found.laws}
+    return not taken and made_of(begun, steps[-1], undone=not fitted)
 
 
 def free_law_name(studio: Studio, c: str) -> str:
@@ -152,8 +167,10 @@ def take(studio: Studio, c: str, kept: Kept) -> None:
     Raises
     ------
     UserError
-        If the model or the file has changed since it was shown, or own effects are there that nobody agreed to run.
+        If a question about the model is open, the model or the file has changed since it was shown, or own effects
+        are there that nobody agreed to run.
     """
+    models.refuse_while_asked(studio, c)
     now = kept_proposal(studio, c)
     if now is None or not now.fresh or now.code != kept.code:
         raise UserError("the model or the proposal has changed since; look for a law again")
@@ -192,6 +209,11 @@ def _adopt(studio: Studio, c: str, kept: Kept) -> None:
     from testbench.results.model_file import load_model_file
 
     found = load_model_file(kept.folder / MODEL, studio.catalogue())
-    if models.is_fresh(studio, c):
-        models.keep_diagnosis(studio, c)
+    before = about_model(models.model_path(studio, c))["history"]
+    diagnosis = read_diagnosis(models.diagnosis_path(studio, c)) if models.is_fresh(studio, c) else None
     found.save(models.model_path(studio, c))
+    code = shlex.quote(str(kept.folder / f"{kept.found.laws[0].effect}.py"))
+    studio.keep_command(c, f"cat {code} >> {shlex.quote(str(studio.effects_path))}")
+    studio.keep_command(c, shlex.join(["cp", str(kept.folder / MODEL), str(models.model_path(studio, c))]))
+    if diagnosis is not None:
+        models.keep_diagnosis(studio, c, diagnosis, before, found.history[len(before)]["step"])

@@ -58,15 +58,29 @@ class Studio:
         """The command lines that have been run for a campaign, one a line with its time."""
         return self.workspace.results(name) / COMMANDS
 
-    def _log(self, job: Job) -> None:
-        """Keep what was run for a campaign: a key is ``kind:campaign``, with the target behind where it has one."""
-        kind, _, name = job.key.partition(":")
-        if job.key == KEY_RECORDING:
-            kind, name = KEY_RECORDING, self.workspace.name_of(Path(job.argv[-1]))
+    def make_results(self, key: str) -> str:
+        """Make the folder that a job writes its results to; the campaign that it is about, empty where there is none.
+
+        A key is ``kind:campaign``, with the target behind where it has one.
+        """
+        kind, _, name = key.partition(":")
         if kind in WITH_TARGET:
             name = name.rpartition(":")[0]
-        if name and kind in LOGGED:
-            append(self.commands_path(name), f"{time.strftime('%Y-%m-%d %H:%M')}  {job.command}\n")
+        if name:
+            make_folder(self.workspace.results(name))
+        return name
+
+    def _log(self, job: Job) -> None:
+        """Keep what was run for a campaign."""
+        key = job.key
+        if key == KEY_RECORDING:
+            key = f"{key}:{self.workspace.name_of(Path(job.argv[-1]))}"
+        if key.partition(":")[0] in LOGGED and (name := self.make_results(key)):
+            self.keep_command(name, job.command)
+
+    def keep_command(self, name: str, command: str) -> None:
+        """Keep a command line that was run for a campaign, or that does what was done for it."""
+        append(self.commands_path(name), f"{time.strftime('%Y-%m-%d %H:%M')}  {command}\n")
 
     @property
     def effects_path(self) -> Path:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,7 +22,10 @@ from testbench.studio.memory import Memory, stamp
 
 RESULTS = "results"
 DELETED = "deleted"  # below results; until they are restored
+DELETED_AT = "%Y%m%d-%H%M%S-"
+OWN = (RESULTS, DELETED, "running", "rig", "programs", "notes.json", "paces.json", "effects-file.txt", "effects.py")
 MAX_DEPTH = 4
+MOST_PART_BYTES = 255
 MADE = {"model.json": "fitted", "diagnosis.json": "diagnosed"}
 KEPT_RECORDINGS = 4  # 23 min take about 2 MB; hours of recording some 100 MB
 KEPT_VERDICTS = 1000
@@ -117,9 +121,9 @@ class Workspace:
         UserError
             If there is none, or the name points out of the workspace.
         """
-        folder = (self.root / name).resolve()
-        made = _stat_of(folder / MANIFEST) if folder.is_relative_to(self.root) and folder != self.root else None
-        if made is None:
+        folder = self._inside(name)
+        made = _stat_of(folder / MANIFEST) if folder else None
+        if folder is None or made is None:
             raise UserError(f"no campaign {name!r} in {self.root}; the list of campaigns shows what is there")
         return self._described(str(folder), made)
 
@@ -139,14 +143,16 @@ class Workspace:
         return self._verdicts.recall(stamp(*files), lambda: _verdict(folder))
 
     def results(self, name: str) -> Path:
-        """Folder for what is made from a campaign (models, diagnoses, compensators), made if needed.
+        """Folder for what is made from a campaign (models, diagnoses, compensators); who writes to it makes it.
 
         Raises
         ------
         UserError
-            If a link leads it out of the workspace.
+            If a link leads it out of the workspace, or it can be none.
         """
-        return make_folder(self.kept(results_name(name)))
+        if "\0" in name:
+            raise UserError(f"no campaign {name!r} in {self.root}; the list of campaigns shows what is there")
+        return self.kept(results_name(name))
 
     def kept(self, *parts: str) -> Path:
         """A place below the results, which the studio writes to.
@@ -182,7 +188,7 @@ class Workspace:
         """
         folder = self.campaign(name).folder
         plain = results_name(name)
-        place = make_folder(self.kept(DELETED, f"{time.strftime('%Y%m%d-%H%M%S')}-{plain}"))
+        place = make_folder(self.kept(DELETED, f"{time.strftime(DELETED_AT)}{plain}"))
         write_text(place / "name.txt", f"{name}\n")
         made = self.root / RESULTS / plain
         if made.is_dir():
@@ -198,21 +204,28 @@ class Workspace:
     def restore(self, place: Path) -> str:
         """Bring a deleted campaign back; its name.
 
+        Where other results have been made since, the old ones stay in `place` and can be restored once those are
+        gone.
+
         Raises
         ------
         UserError
-            If its name has been taken since.
+            If its name has been taken since, or its results have and it has come back already.
         """
         name = read_text(place / "name.txt", "name", MOST_NAME_BYTES).strip()
-        folder = self.free_name(name)
-        make_folder(folder.parent)
-        (place / "campaign").replace(folder)
-        made = self.root / RESULTS / results_name(name)
-        if (place / "results").is_dir() and not made.exists():
-            (place / "results").replace(made)
-        (place / "name.txt").unlink()
-        with contextlib.suppress(OSError):
-            place.rmdir()  # not empty where other results have been made since: the old ones stay here
+        alone = not (place / "campaign").is_dir()  # it came back before
+        if not alone:
+            folder = self._free(name)
+            make_folder(folder.parent)
+            (place / "campaign").replace(folder)
+        if (place / "results").is_dir():
+            with contextlib.suppress(OSError):  # taken by other results; an empty folder is replaced
+                (place / "results").replace(self.results(name))
+        if not (place / "results").is_dir():
+            (place / "name.txt").unlink()
+            place.rmdir()
+        elif alone:
+            raise UserError(f"{name} has other results now: move {self.results(name)} away to have the old ones back")
         return name
 
     def free_name(self, wanted: str) -> Path:
@@ -221,14 +234,45 @@ class Workspace:
         Raises
         ------
         UserError
-            If the name is empty, taken, or points out of the workspace.
+            If the name is empty, taken, points out of the workspace, or would not be found or kept there.
         """
-        folder = (self.root / wanted.strip()).resolve()
-        if not wanted.strip() or folder == self.root or not folder.is_relative_to(self.root):
-            raise UserError(f"a campaign needs a name that is a folder inside {self.root}, got {wanted!r}")
-        if folder.exists():
-            raise UserError(f"{wanted}: this name is taken; choose another")
+        folder = self._free(wanted)
+        if why := _unfit(folder.relative_to(self.root).as_posix()):
+            raise UserError(f"{wanted}: {why}; choose another name")
         return folder
+
+    def _free(self, wanted: str) -> Path:
+        folder = self._inside(wanted.strip())
+        if not wanted.strip() or folder is None:
+            raise UserError(f"a campaign needs a name that is a folder inside {self.root}, got {wanted!r}")
+        with contextlib.suppress(OSError):  # longer than any name that could be there
+            if folder.exists():
+                raise UserError(f"{wanted}: this name is taken; choose another")
+        return folder
+
+    def _inside(self, name: str) -> Path | None:
+        """The folder of this name below the root; None where it is none."""
+        with contextlib.suppress(OSError, RuntimeError, ValueError):  # a loop of links; a zero byte
+            folder = (self.root / name).resolve()
+            if folder != self.root and folder.is_relative_to(self.root):
+                return folder
+        return None
+
+
+def _unfit(name: str) -> str:
+    """Why the studio could not handle a campaign of this name; empty where it could."""
+    parts = name.split("/")
+    if parts[0] in OWN:
+        return f"the studio keeps its own things under {parts[0]!r}"
+    if any(part.startswith(".") for part in parts):
+        return "a name that begins with a dot is hidden, and the list would not show it"
+    if len(parts) > MAX_DEPTH:
+        return f"campaigns are looked for at most {MAX_DEPTH} folders deep, and this would be {len(parts)}"
+    if any(len(os.fsencode(part)) > MOST_PART_BYTES for part in parts):
+        return f"a part of it is longer than the {MOST_PART_BYTES} bytes that a file system takes"
+    if len(os.fsencode(results_name(name))) > MOST_PART_BYTES - len(time.strftime(DELETED_AT)):
+        return "it is too long for the folder of its results"
+    return ""
 
 
 def _stat_of(manifest: Path | os.DirEntry[str]) -> os.stat_result | None:
@@ -258,8 +302,11 @@ def _is_hidden(name: str, level: int) -> bool:
 
 
 def results_name(name: str) -> str:
-    """The folder below the results that belongs to a campaign."""
-    return name.replace("/", "__")
+    """The folder below the results that belongs to a campaign, and to no other: ``a/b`` has ``a__b``.
+
+    An underscore that could be taken for a part of such a pair is written as in an address.
+    """
+    return re.sub("(?<=[_/])_|_(?=[_/])", "%5F", name.replace("%", "%25")).replace("/", "__")
 
 
 def _made_in(folder: str) -> frozenset[str]:

@@ -30,6 +30,7 @@ def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
     """What a refit with each effect takes off the error on samples that no fit has seen, best first.
 
     The bar is measured, with its 95 % interval over blocks of 60 s; an effect that was not worth a refit has none.
+    Left of 0, an effect adds to the error.
 
     Parameters
     ----------
@@ -40,7 +41,7 @@ def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
     notes = [_untried(place) for place, entry in enumerate(ranking) if not entry.get("held_out_gain")]
     names = [with_probability(diagnosis, entry["effect"]) for entry in ranking]
     axes: dict[str, Any] = {
-        "xaxis": style.axis("Error removed / %", range=[0, 104]),
+        "xaxis": style.axis("Error removed / %", range=[_lowest(ranking), 104]),
         "yaxis": style.names_of_bars(names),
         "margin": {"l": 230, "r": 20, "t": 16, "b": 44},
     }
@@ -53,16 +54,22 @@ def _measured(diagnosis: Mapping[str, Any], ranking: Sequence[Mapping[str, Any]]
     places = [place for place, entry in enumerate(ranking) if entry.get("held_out_gain")]
     gains = [ranking[place]["held_out_gain"] for place in places]
     ends = np.array([[removed_percent(gain) for gain in one] for one in gains]).reshape(-1, 3)
-    shown = np.maximum(ends[:, 0], 0.0)
     whiskers = {
         "array": np.maximum(ends[:, 2] - ends[:, 0], 0.0),
-        "arrayminus": np.clip(ends[:, 0] - ends[:, 1], 0.0, shown),
+        "arrayminus": np.maximum(ends[:, 0] - ends[:, 1], 0.0),
         "symmetric": False,
         "color": style.INK,
     }
     colours = [_colour(diagnosis, place) for place in places]
     hover = "with it refitted: %{x:.0f} % of the held-out error is gone"
-    return style.bars(shown, colours, hover, y=np.array(places, dtype=float), error_x=whiskers)
+    return style.bars(ends[:, 0], colours, hover, y=np.array(places, dtype=float), error_x=whiskers)
+
+
+def _lowest(ranking: Sequence[Mapping[str, Any]]) -> float:
+    """Where the axis begins: at 0, or as far left of it as an interval goes, at most where the error has doubled."""
+    gains = [gain for entry in ranking for gain in entry.get("held_out_gain") or ()]
+    lowest = min([removed_percent(gain) for gain in gains], default=0.0)
+    return max(1.04 * lowest, -104.0) if lowest < 0 else 0.0
 
 
 def _untried(place: int) -> dict[str, Any]:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcode.support.arrays import FloatArray
+from gcode.support.errors import UserError
 from gcode.support.figures import broken, histogram_range
 from testbench.comparing.numbers import span
 from testbench.recordings.channels import DISPLACEMENT, RESISTANCE, TEMPERATURE
@@ -172,10 +173,16 @@ def _loop_panels(recording: Recording, resistance: bool) -> list[tuple[str, str,
     return panels
 
 
-def distributions(recording: Recording, resistance: bool = False) -> style.Figure:
-    """How often each strain, speed, force and conductance (or resistance) occurred, in per cent of the time."""
+def distributions(recording: Recording, resistance: bool = False) -> style.Figure | None:
+    """How often each strain, speed, force and conductance (or resistance) occurred, in per cent of the time.
+
+    None where a recording of hardly a sample has no times to count.
+    """
     rate_hz = speed_rate_hz(recording)
-    even = recording.resampled(rate_hz)
+    try:
+        even = recording.resampled(rate_hz)
+    except UserError:
+        return None
     panels = channels_of(even, resistance)[:3]
     if recording.has(DISPLACEMENT):
         panels.insert(1, ("Speed / mm/s", np.gradient(even[DISPLACEMENT], 1 / rate_hz), style.MUTED))

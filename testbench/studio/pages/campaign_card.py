@@ -13,7 +13,7 @@ from html import escape
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.recordings.manifest import IN_PROGRESS
+from testbench.recordings.manifest import CSV, IN_PROGRESS
 from testbench.report.figures.recording_figures import summary
 from testbench.report.figures.thumbnail import thumbnail
 from testbench.studio.finding import STATES, Found
@@ -191,4 +191,4 @@ def _sketch(studio: Studio, campaign: Campaign) -> tuple[str, str]:
         spans = [f"{name.lower()} {span}" for name, span in told[3:4]]  # of the strain, where there is one
         return thumbnail(recording), " · ".join([told[0][1], *spans])
 
-    return studio.sketches.recall(stamp(campaign.folder / "recording.csv"), draw)
+    return studio.sketches.recall(stamp(campaign.folder / CSV), draw)

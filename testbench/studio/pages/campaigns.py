@@ -61,7 +61,8 @@ def _deleted(studio: Studio) -> None:
     with ui.column().classes("card gap-1").props("role=status"):
         for name, place in gone[:5]:
             with ui.row().classes("items-center gap-3"):
-                ui.label(f"{name} was deleted.")
+                whole = (place / "campaign").is_dir()
+                ui.label(f"{name} was deleted." if whole else f"Results of {name} from before wait for its new ones.")
                 ui.button("Undo", icon="undo", on_click=partial(attempt, partial(restore, place))).props("flat dense")
         if len(gone) > 5:
             ui.label(f"and {len(gone) - 5} before, in results/deleted").classes("quiet text-sm")

@@ -12,6 +12,7 @@ from gcode.support.errors import UserError
 from gcode.support.files import write_text
 from gcode.support.strict import read_text
 from testbench.studio.jobs.job import Job, State
+from testbench.studio.memory import stamp
 from testbench.studio.parts.job_card import start_in
 from testbench.studio.parts.widgets import attempt, guarded, heading, name_in_page
 from testbench.studio.studio import OWN_EFFECTS, Studio
@@ -32,6 +33,7 @@ class _Editor:
 
     def __init__(self, studio: Studio) -> None:
         self.studio, self.path = studio, studio.effects_path
+        self.mark = stamp(self.path)  # of the file as it stands in the editor
         with ui.column().classes("card gap-3"):
             with ui.row().classes("items-center"):
                 self.name = ui.input("Name of a new effect", placeholder="my_effect").props("outlined dense")
@@ -57,6 +59,7 @@ class _Editor:
         self._read()
 
     def _read(self) -> None:
+        self.mark = stamp(self.path)
         self.text.set_value(_text(self.studio))
 
     def _start(self) -> None:
@@ -70,7 +73,13 @@ class _Editor:
     def _save(self) -> None:
         if not self.text.value.strip():
             raise UserError("there is nothing to check; start from the template, or write a class")
+        if stamp(self.path) != self.mark:
+            raise UserError(
+                f"{self.path.name} was changed on disk since it was read here; keep a copy of what you have written, "
+                "and read the file again"
+            )
         write_text(self.path, self.text.value)
+        self.mark = stamp(self.path)
         self.studio.agree_to_effects()  # who saves it here wants it to run
         argv = ["testbench", "effects", "--effects", str(self.path), "--check"]
         self._run(argv, "Trying the rules that every effect keeps")

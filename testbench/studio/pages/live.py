@@ -13,6 +13,7 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
+from testbench.recordings.manifest import CSV
 from testbench.report import style
 from testbench.report.figures.live_figures import LiveChannel, live
 from testbench.studio.jobs.job import Job, State
@@ -37,7 +38,7 @@ class Live:
 
         self.studio, self.job = studio, job
         self.folder = Path(job.argv[-1])
-        self.follower = Follower(self.folder / "recording.csv")
+        self.follower = Follower(self.folder / CSV)
         self.compensated = Follower(self.folder / COMPENSATED)
         self.limits: dict[str, float] | None = None
         self.due = False  # samples have come that the plot does not show yet
@@ -51,13 +52,19 @@ class Live:
         self.news = ui.label().classes("trouble").props("role=alert")
         self.news.set_visibility(False)
         self.end = ui.column().classes("w-full")
-        self.plot = plot(live([]), CAPTION + (BESIDE if "--compensator" in job.argv else ""))
+        self.plot = plot(
+            live([]), CAPTION + (BESIDE if any(word.startswith("--compensator=") for word in job.argv) else "")
+        )
         self.timer = ui.timer(REFRESH_S, self._look)
 
     async def _stop(self) -> None:
         self.stop.disable()
         self.stop.set_text("Stopping …")
         await self.studio.jobs.cancel(self.job)
+        await self._stop_rig()
+
+    async def _stop_rig(self) -> None:
+        """End the simulated rig, which would play on to nobody."""
         rig = self.studio.jobs.find(KEY_RIG)
         if rig:
             await self.studio.jobs.cancel(rig)
@@ -74,7 +81,7 @@ class Live:
         if self.due and self.plot.follow(live(self._channels())):
             self.due = False
         if over:
-            self._ended()
+            await self._ended()
 
     def _channels(self) -> list[LiveChannel]:
         if self.limits is None:
@@ -93,7 +100,7 @@ class Live:
                 found.append(replace(one, limit=self.limits.get(name), beside=beside))
         return found
 
-    def _ended(self) -> None:
+    async def _ended(self) -> None:
         self.timer.deactivate()
         if self.follower.envelope is not None:
             self.plot.show(live(self._channels()))
@@ -102,11 +109,15 @@ class Live:
         state = str(self.job.latest.get("state") or self.job.state.value)
         with self.end:
             if self.job.state is State.FAILED:
-                trouble(said or self.job.problem, "Every sample up to that moment is on disk.")
+                kept = self.follower.path.is_file()
+                trouble(said or self.job.problem, "Every sample up to that moment is on disk." if kept else "")
             else:
                 ui.label(f"{self.job.title}: {ENDS.get(state, state)}. {said}").classes("verdict")
             with ui.row():
                 self._ways_on()
+                ui.button("Record another", icon="edit", on_click=ui.navigate.reload).props("outline")
+        if self.job.state is State.FAILED:
+            await self._stop_rig()
 
     def _ways_on(self) -> None:
         if not (self.folder / "datapackage.json").is_file():

@@ -8,6 +8,7 @@ from pathlib import Path
 from nicegui import ui
 
 from gcode.support.errors import UserError
+from gcode.support.files import make_folder
 from testbench.studio.pages.campaign.compensate import compensators
 from testbench.studio.pages.live import Live
 from testbench.studio.pages.plan import PROGRAMS, SENSORS
@@ -79,7 +80,7 @@ class _Form:
         refuse_a_second(self.studio)
         simulated = self.port.value == SIMULATED
         url = await _simulated_port(self.studio, self.sensor.value, tap) if simulated else self.port.value
-        argv = ["testbench", "record", "--port", url, "--program", str(tap), "--progress-json", *self._said()]
+        argv = ["testbench", "record", f"--port={url}", "--program", str(tap), "--progress-json", *self._said()]
         job = self.studio.jobs.start(KEY_RECORDING, f"Recording {self.name.value}", [*argv, "-o", str(target)])
         self.holder.clear()
         with self.holder:
@@ -93,7 +94,7 @@ class _Form:
             "--max-strain": f"{self.strain.value / 100:.12g}" if self.strain.value else "",
             "--compensator": self.compensator.value,
         }
-        return [word for flag, text in said.items() if text for word in (flag, text)]
+        return [f"{flag}={text}" for flag, text in said.items() if text]  # a text may begin with a dash
 
 
 def ports_here() -> list[str]:
@@ -127,6 +128,7 @@ async def _simulated_port(studio: Studio, sensor: str, program: Path) -> str:
     if old:
         await studio.jobs.cancel(old)  # it may still be playing another program
     link = rig_port(studio)
+    make_folder(link.parent)
     link.unlink(missing_ok=True)
     argv = ["testbench", "rig", "--sensor", sensor, "--program", str(program), "--link", str(link)]
     rig = studio.jobs.start(KEY_RIG, f"Simulated rig, {sensor}", argv)

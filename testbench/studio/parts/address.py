@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from urllib.parse import urlencode
 
 from nicegui import ui
@@ -59,7 +60,9 @@ def span_of(start: str, end: str) -> tuple[float | None, float | None]:
     try:
         start_s, end_s = float(start), float(end)
     except ValueError:
-        raise UserError(f"the address asks for times from {start!r} to {end!r}; both must be seconds") from None
+        start_s = end_s = math.nan
+    if not (math.isfinite(start_s) and math.isfinite(end_s)):
+        raise UserError(f"the address asks for times from {start!r} to {end!r}; both must be seconds")
     if not start_s < end_s:
         raise UserError(
             f"the address asks for times from {start_s:g} to {end_s:g} s; the end must come after the start"

@@ -9,7 +9,7 @@ from pathlib import Path
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.recordings.manifest import IN_PROGRESS, read_manifest
+from testbench.recordings.manifest import CSV, IN_PROGRESS, read_manifest
 from testbench.rig.connection.ports import remembered_port
 from testbench.studio.jobs.job import Job
 from testbench.studio.parts.widgets import attempt, way_on
@@ -42,7 +42,7 @@ def is_under_way(studio: Studio, campaign: Campaign) -> bool:
         return False
     if studio.jobs.last_command(KEY_RECORDING)[-1:] == (str(campaign.folder),):
         return recording_job(studio, campaign) is not None  # it was our recorder, and of that we know
-    return _grew_lately(campaign.folder / "recording.csv")
+    return _grew_lately(campaign.folder / CSV)
 
 
 def _grew_lately(path: Path) -> bool:
@@ -95,7 +95,14 @@ def resume(
             "the simulated rig that this was recorded from has ended, and its motion with it; "
             "record anew, or name another port"
         )
-    argv = ["testbench", "record", "--resume", "--port", port, "--progress-json", *_compensator_of(studio, campaign)]
+    argv = [
+        "testbench",
+        "record",
+        "--resume",
+        f"--port={port}",
+        "--progress-json",
+        *_compensator_of(studio, campaign),
+    ]
     studio.jobs.start(KEY_RECORDING, f"Recording {campaign.name}", [*argv, "-o", str(campaign.folder)])
     go("/record")
 
@@ -123,7 +130,6 @@ def _port_of(campaign: Campaign) -> str:
 def _compensator_of(studio: Studio, campaign: Campaign) -> list[str]:
     """The option that it was recorded with last, where this studio recorded it with one."""
     words = list(studio.jobs.last_command(KEY_RECORDING))
-    if words[-1:] != [str(campaign.folder)] or "--compensator" not in words:
+    if words[-1:] != [str(campaign.folder)]:
         return []
-    place = words.index("--compensator")
-    return words[place : place + 2]
+    return [word for word in words if word.startswith("--compensator=")]

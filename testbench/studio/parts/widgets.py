@@ -7,6 +7,7 @@ import contextlib
 import functools
 import inspect
 import json
+import logging
 from collections.abc import Awaitable, Callable, Iterator, Sequence
 from html import escape
 from typing import Any, TypeVar
@@ -19,6 +20,8 @@ from testbench.studio.studio import Studio
 
 T = TypeVar("T")
 
+LOG = logging.getLogger("knitbench")
+DEFECT = "This is a defect of the studio; its terminal shows where it happened."
 LATER_S = 0.3
 TABS = (
     ("/recording", "Recording"),
@@ -36,14 +39,27 @@ def guarded(page: Callable) -> Callable:
     async def build(*args: Any, **kwargs: Any) -> None:
         with ui.column().classes("page gap-4"):
             _ask_before_running(kwargs.get("studio") or args[0])
-            try:
-                result = page(*args, **kwargs)
-                if inspect.isawaitable(result):
-                    await result
-            except UserError as error:
-                trouble(str(error))
+            await _built(lambda: page(*args, **kwargs))
 
     return build
+
+
+async def _built(build: Callable[[], Any]) -> None:
+    """Build a page or a part of it; what goes wrong is said where it would stand."""
+    try:
+        result = build()
+        if inspect.isawaitable(result):
+            await result
+    except UserError as error:
+        trouble(str(error))
+    except Exception as error:
+        LOG.exception("a page could not be built")
+        if not ui.context.slot.parent.is_deleted:  # else the page was left meanwhile
+            trouble(f"This page could not be built: {_told(error)}.", DEFECT)
+
+
+def _told(error: Exception) -> str:
+    return f"{type(error).__name__}: {error}".removesuffix(": ").removesuffix(".")
 
 
 def _ask_before_running(studio: Studio) -> None:
@@ -75,8 +91,15 @@ async def attempt(action: Callable[[], Any]) -> Any:
         result = action()
         return await result if inspect.isawaitable(result) else result
     except UserError as error:
-        ui.notify(str(error), type="warning", position="top", multi_line=True, close_button="OK", timeout=12_000)
-        return None
+        _notify(str(error))
+    except Exception as error:
+        LOG.exception("a click could not be followed")
+        _notify(f"This could not be done: {_told(error)}. {DEFECT}")
+    return None
+
+
+def _notify(text: str) -> None:
+    ui.notify(text, type="warning", position="top", multi_line=True, close_button="OK", timeout=12_000)
 
 
 def trouble(text: str, remedy: str = "") -> None:
@@ -135,7 +158,8 @@ CONDUCTANCE_OR = {"": "Conductance", RESISTANCE: "Resistance in kΩ"}
 
 def quantity_toggle(where: Address) -> None:
     """Conductance or resistance: the choice is in the address and goes along from tab to tab."""
-    toggle = ui.toggle(CONDUCTANCE_OR, value=where.query.get("show", ""), clearable=False)
+    shown = where.query.get("show", "")
+    toggle = ui.toggle(CONDUCTANCE_OR, value=shown if shown in CONDUCTANCE_OR else "", clearable=False)
     toggle.props("no-caps dense unelevated aria-label='Conductance or resistance'").classes("quantity")
     toggle.on_value_change(lambda event: where.go(show=event.value))
 
@@ -170,9 +194,7 @@ def later(build: Callable[[], Awaitable[None] | None]) -> None:
 
     async def fill() -> None:
         with holder:
-            result = build()
-            if inspect.isawaitable(result):
-                await result
+            await _built(build)
 
     ui.timer(LATER_S, fill, once=True)
 

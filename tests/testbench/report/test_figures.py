@@ -350,6 +350,25 @@ def test_one_effect_has_one_number_everywhere() -> None:
     assert bars["x"].round().tolist() == [62.0, 62.0], "what is left and what is gone are a hundred together"
 
 
+def test_the_interval_of_an_effect_that_adds_to_the_error_is_the_real_one() -> None:
+    found = samples.diagnosis()
+    found["ranking"][1]["held_out_gain"] = [-0.2, -0.4, 0.1]
+    figure = diagnosis_figures.candidates(found)
+    bars = figure["data"][0]
+    ends = [diagnosis_figures.removed_percent(gain) for gain in (-0.4, 0.1)]
+    whiskers = bars["error_x"]
+    assert bars["x"][1] - whiskers["arrayminus"][1] == pytest.approx(ends[0])
+    assert bars["x"][1] + whiskers["array"][1] == pytest.approx(ends[1])
+    assert -104 <= figure["layout"]["xaxis"]["range"][0] < ends[0] < 0
+    assert diagnosis_figures.candidates(samples.diagnosis())["layout"]["xaxis"]["range"][0] == 0
+
+
+def test_two_samples_have_no_distribution_and_the_rest_of_the_report() -> None:
+    two = Recording(np.array([0.0, 0.01]), {"displacement_mm": np.array([0.0, 1.0])}, 25.0, "two/recording.csv")
+    assert recording_figures.distributions(two) is None
+    assert sections.recording_section(two, "Two", "two").items
+
+
 def test_clocks_are_told_in_words() -> None:
     assert words.clocks_in_words(0.0004, 0.1, 60.0).endswith("together with the recording; their clocks run alike.")
     assert words.clocks_in_words(0.342, 35.0, 1380.0) == (

@@ -63,5 +63,6 @@ async def user(studio: Studio, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator
 @pytest.fixture
 def fitted(studio: Studio, fitted_model: Path) -> Studio:
     """The studio with a model for ``sleeve``."""
+    studio.make_results("model:sleeve")
     shutil.copy(fitted_model, studio.workspace.results("sleeve") / "model.json")
     return studio

@@ -40,6 +40,7 @@ def write_proposal(folder: Path, model: Path) -> None:
     before = json.loads(model.read_text())
     effect = load_catalogue(folder / "sleeve_law.py")["sleeve_law"]()
     after = {**before, **baseline().plus(effect, "sleeve_law").to_dict()}
-    after["history"] = [*before["history"], {**before["history"][-1], "step": "+ sleeve_law"}]
+    model = {key: after[key] for key in ("format", "version", "effects")}
+    after["history"] = [*before["history"], {**before["history"][-1], "step": "+ sleeve_law", "model": model}]
     (folder / proposed_law.MODEL).write_text(json.dumps(after))
-    (folder / proposed_law.JSON).write_text(json.dumps(FOUND))
+    (folder / proposed_law.JSON).write_text(json.dumps(FOUND | {"history": after["history"]}))

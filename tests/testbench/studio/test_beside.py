@@ -23,9 +23,11 @@ def two_steps(studio: Studio, fitted_model: Path) -> Studio:
     elasticity = next(one for one in stiffer["effects"] if one["name"] == "elasticity")
     elasticity["parameters"]["stiffness_N"] *= 2
     steps = [first | {"model": stiffer}, first | {"step": "+ stress_relaxation"}]
+    studio.make_results("model:sleeve")
     models.model_path(studio, "sleeve").write_text(json.dumps(file | {"history": steps}))
     shutil.copytree(studio.workspace.root / "sleeve", studio.workspace.root / "other")
     shutil.copytree(studio.workspace.root / "sleeve", studio.workspace.root / "not-fitted")
+    studio.make_results("model:other")
     models.model_path(studio, "other").write_text(json.dumps(file))
     return studio
 

@@ -72,6 +72,7 @@ def test_damaged_notes_are_shown_as_none_and_never_written_over(tmp_path: Path, 
 
 def test_deleting_is_undone_with_all_that_was_made(studio: Studio) -> None:
     workspace = studio.workspace
+    studio.make_results("model:sleeve")
     (workspace.results("sleeve") / "model.json").write_text("{}")
     before = (workspace.root / "sleeve" / "recording.csv").read_bytes()
     workspace.delete("sleeve")
@@ -84,14 +85,34 @@ def test_deleting_is_undone_with_all_that_was_made(studio: Studio) -> None:
     assert workspace.deleted() == []
 
 
+def test_looking_at_a_deleted_campaign_does_not_take_the_place_of_its_results(studio: Studio) -> None:
+    workspace = studio.workspace
+    studio.make_results("model:sleeve")
+    (workspace.results("sleeve") / "model.json").write_text("{}")
+    place = workspace.delete("sleeve")
+    assert not workspace.results("sleeve").exists(), "nothing is made by asking"
+    workspace.results("sleeve").mkdir()  # as an earlier version did
+    workspace.restore(place)
+    assert workspace.made()["sleeve"] == {"fitted"}
+    assert workspace.deleted() == []
+
+
 def test_old_results_are_kept_where_new_ones_have_been_made(studio: Studio) -> None:
     workspace = studio.workspace
+    studio.make_results("model:sleeve")
     (workspace.results("sleeve") / "model.json").write_text("old")
     place = workspace.delete("sleeve")
+    studio.make_results("model:sleeve")
     (workspace.results("sleeve") / "model.json").write_text("new")
     workspace.restore(place)
     assert (workspace.results("sleeve") / "model.json").read_text() == "new"
     assert (place / "results" / "model.json").read_text() == "old"
+    assert workspace.deleted() == [("sleeve", place)]
+    with pytest.raises(UserError, match=r"sleeve has other results now: move .* away"):
+        workspace.restore(place)
+    shutil.rmtree(workspace.results("sleeve"))
+    workspace.restore(place)
+    assert (workspace.results("sleeve") / "model.json").read_text() == "old"
     assert workspace.deleted() == []
 
 
@@ -121,6 +142,7 @@ def test_thousands_of_campaigns_are_described_from_what_is_known(studio: Studio)
 async def test_the_list_says_what_it_shows(user: User, studio: Studio) -> None:
     shutil.copytree(studio.workspace.root / "sleeve", studio.workspace.root / "strip")
     studio.notes.put("strip", Note(("wet",), "torn at 40 %"))
+    studio.make_results("model:strip")
     (studio.workspace.results("strip") / "model.json").write_text("{}")
     await user.open("/?q=torn")
     await user.should_see("1 of 2")
@@ -141,6 +163,7 @@ async def test_a_deleted_campaign_is_offered_back(user: User, studio: Studio) ->
 @pytest.mark.asyncio
 async def test_two_campaigns_stand_side_by_side(user: User, studio: Studio, fitted_model: Path) -> None:
     shutil.copytree(studio.workspace.root / "sleeve", studio.workspace.root / "strip")
+    studio.make_results("model:strip")
     shutil.copy(fitted_model, studio.workspace.results("strip") / "model.json")
     await user.open("/side?a=sleeve&b=strip")
     await user.should_see("strip: six half minutes", retries=50)

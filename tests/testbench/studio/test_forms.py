@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 from pathlib import Path
 
@@ -9,8 +10,11 @@ import pytest
 from nicegui import ui
 from nicegui.testing import User
 
+from gcode.support.errors import UserError
+from testbench.commands.record import add_arguments
+from testbench.studio.jobs.job import Job, State
 from testbench.studio.parts.address import address
-from testbench.studio.studio import Studio
+from testbench.studio.studio import KEY_RECORDING, KEY_RIG, Studio
 from tests.testbench.importing import exports
 from tests.testbench.studio.diagnoses import with_diagnosis
 
@@ -120,3 +124,42 @@ async def test_a_file_is_named_as_in_a_shell(user: User, tmp_path: Path, monkeyp
     user.find("File on this machine").clear().type(" ~/testxpert.txt ")
     user.find("Read the file").click()
     await user.should_see("Found: names in row 1", retries=50)
+
+
+async def test_what_a_person_says_of_a_specimen_may_begin_with_a_dash(
+    user: User, studio: Studio, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program = studio.workspace.root / "programs" / "short" / "program.tap"
+    program.parent.mkdir(parents=True)
+    program.write_text("G0 X0\n")
+    begun: list[list[str]] = []
+
+    def start(key: str, title: str, argv: list[str]) -> None:
+        begun.append(argv)
+        raise UserError("begun")
+
+    monkeypatch.setattr(studio.jobs, "start", start)
+    await user.open("/record")
+    user.find("Port").clear().type("/dev/ttyNONE")
+    user.find("Specimen").type("-wet")
+    user.find(kind=ui.button, content="Record").click()
+    await user.should_see("begun")
+    parser = argparse.ArgumentParser()
+    add_arguments(parser)
+    assert parser.parse_args(begun[0][2:]).specimen == "-wet"
+
+
+async def test_a_recorder_that_did_not_begin_promises_nothing_and_leads_back(user: User, studio: Studio) -> None:
+    job = Job(KEY_RECORDING, "Recording new", ("testbench", "record", "-o", str(studio.workspace.root / "new")))
+    rig = Job(KEY_RIG, "Simulated rig", ("testbench", "rig"))
+    studio.jobs.jobs += [job, rig]
+    await user.open("/record")
+    await user.should_see("waiting for the first sample", retries=50)
+    job.hear_error("error: no such port")
+    job.state, job.ended_s = State.FAILED, job.started_s
+    await user.should_see("no such port", retries=50)
+    await user.should_not_see("Every sample up to that moment is on disk")
+    await user.should_see("Record another", retries=50)
+    assert rig.state is State.CANCELLED
+    user.find("Record another").click()
+    await user.should_see("No program yet", retries=50)

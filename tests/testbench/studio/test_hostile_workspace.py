@@ -16,7 +16,7 @@ from testbench.campaigns.record import begin
 from testbench.cli import main
 from testbench.rig.acquisition.recorder import Limits
 from testbench.studio.jobs.job import Job
-from testbench.studio.models import diagnosis_path, keep_diagnosis, step_diagnosis
+from testbench.studio.models import keep_diagnosis, step_diagnosis
 from testbench.studio.pages.campaign_card import looked_at
 from testbench.studio.parts.unfinished import resume
 from testbench.studio.studio import KEY_RECORDING, Studio
@@ -187,11 +187,10 @@ def test_what_was_run_is_not_written_through_a_link(hostile, outside):
 
 def test_a_model_is_not_kept_through_a_link(hostile, outside):
     studio = Studio(hostile)
-    diagnosis_path(studio, "good").write_text("{}")
-    linked(step_diagnosis(studio, "good", 0), outside)
-    keep_diagnosis(studio, "good")
-    assert not step_diagnosis(studio, "good", 0).is_symlink()
-    assert step_diagnosis(studio, "good", 0).read_text() == "{}"
+    linked(step_diagnosis(studio, "good", 1), outside)
+    keep_diagnosis(studio, "good", {"verdict": "missing"}, [{"step": "baseline"}], "+ slack")
+    assert not step_diagnosis(studio, "good", 1).is_symlink()
+    assert '"led_to": "+ slack"' in step_diagnosis(studio, "good", 1).read_text()
 
 
 @pytest.mark.asyncio

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
 from pathlib import Path
 
@@ -13,12 +12,14 @@ from gcode.support.errors import UserError
 from testbench.knit.template import write_template
 from testbench.studio import models, proposed_law
 from testbench.studio.studio import Studio
+from tests.testbench.studio.diagnoses import refit_elsewhere, running_job
 from tests.testbench.studio.proposals import FOUND, write_proposal
 
 
 @pytest.fixture
 def proposed(studio: Studio, fitted_model: Path) -> Studio:
     """A studio with a model for ``sleeve`` and a law proposed for it."""
+    studio.make_results("model:sleeve")
     shutil.copy(fitted_model, models.model_path(studio, "sleeve"))
     write_proposal(proposed_law.folder_of(studio, "sleeve"), models.model_path(studio, "sleeve"))
     return studio
@@ -35,6 +36,9 @@ def test_a_law_that_is_added_joins_the_own_effects_and_the_ladder(proposed: Stud
     proposed_law.take(proposed, "sleeve", kept(proposed))
     assert "sleeve_law" in proposed.catalogue().effects
     assert models.steps_in(proposed, "sleeve") == 2
+    done = [line.partition("  ")[2].split()[0] for line in proposed.commands_path("sleeve").read_text().splitlines()]
+    assert done == ["cat", "cp"], "the log leads to the model as it is"
+    assert not kept(proposed).fresh, "what is in already is not offered again"
     assert proposed_law.free_law_name(proposed, "sleeve") == "sleeve_law_2"
 
 
@@ -62,6 +66,13 @@ def test_code_that_was_changed_after_it_was_shown_is_not_taken(proposed: Studio)
     path.write_text(path.read_text() + "\nprint('more')\n")
     with pytest.raises(UserError, match="has changed since"):
         proposed_law.take(proposed, "sleeve", shown)
+    assert not proposed.effects_path.exists()
+
+
+def test_a_law_is_not_taken_while_the_model_is_asked_about(proposed: Studio) -> None:
+    proposed.jobs.jobs.append(running_job("diagnose:sleeve"))
+    with pytest.raises(UserError, match="still under way, and the model of sleeve must stay"):
+        proposed_law.take(proposed, "sleeve", kept(proposed))
     assert not proposed.effects_path.exists()
 
 
@@ -125,8 +136,7 @@ async def test_the_page_tells_the_law_and_adds_it(user, proposed: Studio) -> Non
 
 @pytest.mark.asyncio
 async def test_a_law_for_a_model_that_has_changed_since_is_not_offered(user, proposed: Studio) -> None:
-    path = proposed_law.folder_of(proposed, "sleeve") / proposed_law.JSON
-    os.utime(path, (1, 1))
+    refit_elsewhere(proposed)
     await user.open("/propose?c=sleeve")
     await user.should_see("The model has changed since this was proposed.", retries=50)
     await user.should_not_see("Add sleeve law")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import shutil
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -75,16 +77,54 @@ def test_a_manifest_that_is_changed_later_is_refused_though_the_recording_was_ke
         studio.workspace.recording("sleeve")
 
 
-@pytest.mark.parametrize("name", ["../..", "absent", "sleeve/../../x", "/etc"])
+@pytest.mark.parametrize("name", ["../..", "absent", "sleeve/../../x", "/etc", "a\0b", "a" * 300])
 def test_names_cannot_leave_the_workspace(studio: Studio, name: str) -> None:
     with pytest.raises(UserError, match="no campaign"):
         studio.workspace.campaign(name)
 
 
-@pytest.mark.parametrize("name", ["", "  ", "..", "../x", "sleeve"])
+@pytest.mark.parametrize("name", ["", "  ", "..", "../x", "sleeve", "a\0b"])
 def test_new_campaigns_need_a_free_name_inside(studio: Studio, name: str) -> None:
     with pytest.raises(UserError, match=r"needs a name that is a folder inside|name is taken"):
         studio.workspace.free_name(name)
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("results/x", "the studio keeps its own things under 'results'"),
+        ("deleted", "keeps its own things"),
+        ("running", "keeps its own things"),
+        ("rig", "keeps its own things"),
+        ("notes.json", "keeps its own things"),
+        (".hid", "hidden, and the list would not show it"),
+        ("a/.hid", "hidden, and the list would not show it"),
+        ("1/2/3/4/5", "at most 4 folders deep, and this would be 5"),
+        ("ü" * 128, "longer than the 255 bytes"),
+        ("/".join(["a" * 90] * 3), "too long for the folder of its results"),
+    ],
+)
+def test_names_that_the_studio_cannot_handle_are_refused_with_words(studio: Studio, name: str, why: str) -> None:
+    with pytest.raises(UserError, match=why):
+        studio.workspace.free_name(name)
+
+
+def test_the_longest_name_can_be_made_deleted_and_brought_back(studio: Studio) -> None:
+    name = f"a/{'b' * 200}"
+    folder = studio.workspace.free_name(name)
+    shutil.copytree(studio.workspace.root / "sleeve", folder)
+    studio.make_results(f"model:{name}")
+    studio.workspace.restore(studio.workspace.delete(name))
+    assert studio.workspace.campaign(name).folder == folder
+
+
+def test_no_two_campaigns_share_their_results() -> None:
+    assert workspace.results_name("a-b_c.1") == "a-b_c.1"
+    assert workspace.results_name("a/b") == "a__b", "as they have always been"
+    parts = ["a", "_", "/", "%", "%5F", "b"]
+    names = {"".join(some) for some in itertools.product(parts, repeat=5)}
+    names = {name for name in names if "//" not in name and not name.startswith("/") and not name.endswith("/")}
+    assert len({workspace.results_name(name) for name in names}) == len(names)
 
 
 def test_a_file_is_no_workspace(tmp_path: Path) -> None:

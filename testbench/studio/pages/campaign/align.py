@@ -10,6 +10,7 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT
+from testbench.recordings.manifest import CSV
 from testbench.report.figures.alignment_figures import alignment
 from testbench.report.words import clocks_in_words
 from testbench.studio.memory import stamp
@@ -66,7 +67,7 @@ def _found(studio: Studio, c: str) -> AlignmentResult:
     from testbench.api.bench.aligning import align
 
     program = program_of(studio, c)
-    files = stamp(program, program.with_name("recording.csv"))
+    files = stamp(program, program.with_name(CSV))
     return studio.memory.recall(("align", files), lambda: align(studio.workspace.recording(c), program))
 
 

@@ -21,7 +21,7 @@ from testbench.report.words import PANEL_UNITS
 from testbench.report.worst_places import Spot, noise_reached
 from testbench.studio.beside import Beside, beside_choices, beside_of, side_by_side
 from testbench.studio.memory import stamp
-from testbench.studio.models import LAST_THIRD, PLAY, add_fit_form, held_out_of, model_path
+from testbench.studio.models import LAST_THIRD, PLAY, add_fit_form, has_model, held_out_of, model_path
 from testbench.studio.parts.address import Address, address, span_of
 from testbench.studio.parts.picture import Span, ZoomingPlot, plot, zooming_plot
 from testbench.studio.parts.widgets import (
@@ -66,7 +66,7 @@ async def page(
     `beside` is a second model: a step of its own ladder by number, or the name of another campaign.
     """
     campaign_head(c, "/compare", show)
-    if not model_path(studio, c).is_file():
+    if not has_model(studio, c):
         add_fit_form(studio, c)
         return
     asked, held = span_of(start, end), held_out_of(studio, c)

@@ -9,6 +9,7 @@ from typing import Any
 from nicegui import ui
 
 from gcode.support.errors import UserError
+from gcode.support.files import copy_file
 from testbench.comparing.words import spoken
 from testbench.report.figures import experiment_figures as figures
 from testbench.report.words import experiment_in_words
@@ -18,7 +19,7 @@ from testbench.studio.pages.plan import PROGRAMS, program_downloads
 from testbench.studio.parts.address import Address, address
 from testbench.studio.parts.fields import asked, check, keep_in, number_field, typed
 from testbench.studio.parts.picture import plot
-from testbench.studio.parts.widgets import aside, attempt, campaign_head, guarded, subheading, way_on
+from testbench.studio.parts.widgets import aside, attempt, campaign_head, guarded, subheading, trouble, way_on
 from testbench.studio.studio import Studio
 
 
@@ -34,15 +35,31 @@ async def page(
         raise UserError(f"{c} has no diagnosis yet; ask what is missing first, on the tab Missing effect")
     diagnosis = read_diagnosis(str(known))
     limits = {"strain": strain, "minutes": minutes, "speed": speed, "acceleration": acceleration}
+    if not models.is_fresh(studio, c, diagnosis):
+        trouble(
+            "The model has changed since this diagnosis.", "Ask again what is missing, on the tab Missing effect."
+        )
     _ask(studio, c, diagnosis, Address("/experiment", c=c, **limits))
-    path = experiment_path(studio, c)
-    if path.is_file() and path.stat().st_mtime >= known.stat().st_mtime:
-        await _answer(studio, c, read_experiment(path))
+    if experiment_path(studio, c).is_file() and _is_of(studio, c, diagnosis):
+        await _answer(studio, c, read_experiment(experiment_path(studio, c)))
 
 
 def experiment_path(studio: Studio, c: str) -> Path:
     """Where the ranking of the proposed motions is kept."""
     return studio.workspace.results(c) / "experiment.json"
+
+
+def asked_path(studio: Studio, c: str) -> Path:
+    """The diagnosis as it was when the motions were asked for; it may be made anew meanwhile."""
+    return studio.workspace.results(c) / "experiment-asked.json"
+
+
+def _is_of(studio: Studio, c: str, diagnosis: Mapping[str, Any]) -> bool:
+    """Whether the motions were designed for this very diagnosis; by its time where a command line has asked."""
+    asked = asked_path(studio, c)
+    if asked.is_file():
+        return read_diagnosis(asked) == diagnosis
+    return experiment_path(studio, c).stat().st_mtime >= models.diagnosis_path(studio, c).stat().st_mtime
 
 
 def program_name(c: str) -> str:
@@ -77,6 +94,9 @@ def _ask(studio: Studio, c: str, diagnosis: Mapping[str, Any], where: Address) -
         check(strain, minutes, speed, acceleration)
         limits = {"--strain-max": typed(strain), "--v-max": typed(speed), "--a-max": typed(acceleration)}
         argv = _command(studio, c, limits | {"--duration-s": f"{60 * minutes.value:.12g}"})
+        if not studio.jobs.under_way(key):
+            experiment_path(studio, c).unlink(missing_ok=True)  # it may be of another diagnosis
+            copy_file(models.diagnosis_path(studio, c), asked_path(studio, c))
         title = f"Looking for the motion that tells {' from '.join(rivals_of(diagnosis))}"
         models.run_in_turn(studio, key, [(title, argv)], holder, ui.navigate.reload)
 
@@ -85,7 +105,7 @@ def _ask(studio: Studio, c: str, diagnosis: Mapping[str, Any], where: Address) -
 
 
 def _command(studio: Studio, c: str, limits: Mapping[str, str]) -> list[str]:
-    argv = ["testbench", "experiment", "--diagnosis", str(models.diagnosis_path(studio, c))]
+    argv = ["testbench", "experiment", "--diagnosis", str(asked_path(studio, c))]
     argv += ["--fit", str(studio.workspace.campaign(c).folder), *studio.effects_arguments()]
     argv += models.same_held_out(studio, c)
     for option, value in limits.items():

@@ -46,7 +46,7 @@ REPORT = "report.html"
 async def page(studio: Studio, c: str = "", step: int = -1, show: str = "") -> None:
     """The ladder of campaign `c`, looked at on `step`."""
     campaign_head(c, "/ladder", show)
-    if not models.model_path(studio, c).is_file():
+    if not models.has_model(studio, c):
         models.add_fit_form(studio, c)
         return
     await (await aside(_Ladder, studio, c, Address("/ladder", c=c, show=show))).build(step)
@@ -195,7 +195,7 @@ class _Ladder:
 
     def _undo(self, holder: ui.column) -> None:
         command = models.undo_command(self.studio, self.c)
-        models.run_in_turn(self.studio, f"model:{self.c}", [command], holder, ui.navigate.reload)
+        models.change_model(self.studio, self.c, [command], holder, ui.navigate.reload)
 
     def _report(self, holder: ui.column) -> None:
         folder = self.studio.workspace.results(self.c)

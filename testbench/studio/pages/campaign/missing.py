@@ -49,14 +49,14 @@ SHOWN = 8
 async def page(studio: Studio, c: str = "", pick: str = "", show: str = "", start: str = "", end: str = "") -> None:
     """The diagnosis of campaign `c`; `pick` is the candidate that is looked at, from `start` to `end` in seconds."""
     campaign_head(c, "/missing", show)
-    if not models.model_path(studio, c).is_file():
+    if not models.has_model(studio, c):
         models.add_fit_form(studio, c)
         return
     path = models.diagnosis_path(studio, c)
     _ask(studio, c, known=path.is_file())
     if path.is_file():
         diagnosis = read_diagnosis(str(path))
-        if path.stat().st_mtime < models.model_path(studio, c).stat().st_mtime:
+        if not models.is_fresh(studio, c, diagnosis):
             trouble("The model has changed since this diagnosis.", "Ask again to see what is missing now.")
         await _answer(studio, diagnosis, Address("/missing", c=c, pick=pick, show=show, start=start, end=end))
 
@@ -87,7 +87,7 @@ async def _answer(studio: Studio, diagnosis: Mapping[str, Any], where: Address) 
         if base:
             ui.label(base).classes("quiet")
         if nothing and diagnosis.get("other_laws"):
-            _better_law(studio, c, list(diagnosis["other_laws"]))
+            _better_law(studio, c, diagnosis)
     ranking = diagnosis["ranking"][:SHOWN]
     if not nothing:
         with ui.row():
@@ -109,16 +109,14 @@ async def _answer(studio: Studio, diagnosis: Mapping[str, Any], where: Address) 
     candidates.build(ranking, chosen)
 
 
-def _better_law(studio: Studio, c: str, laws: list[str]) -> None:
+def _better_law(studio: Studio, c: str, diagnosis: Mapping[str, Any]) -> None:
     """Nothing is missing, but another law suits the sensor better than the one of the base."""
+    laws = [law for law in diagnosis["other_laws"] if law not in models.laws_in(studio, c)]
+    if not laws:
+        return
     holder = ui.column().classes("w-full")
     done = partial(ui.navigate.to, address("/ladder", c=c))
-
-    def start() -> None:
-        models.keep_diagnosis(studio, c)
-        commands = [models.add_command(studio, c, law) for law in laws]
-        models.run_in_turn(studio, f"model:{c}", commands, holder, done)
-
+    start = partial(models.add_laws, studio, c, laws, diagnosis, holder, done)
     names = " and ".join(spoken(law) for law in laws)
     ui.button(f"Use {names}", icon="swap_horiz", on_click=lambda: attempt(start)).props("unelevated")
 
@@ -146,8 +144,7 @@ class _Candidates:
             button.on_click(lambda: attempt(self._adopt)).props("unelevated color=accent")
 
     def _adopt(self) -> None:
-        models.keep_diagnosis(self.studio, self.c)
-        models.adopt_diagnosed(self.studio, self.c)
+        models.adopt_diagnosed(self.studio, self.c, self.diagnosis)
         ui.navigate.to(address("/ladder", c=self.c))
 
     def build(self, ranking: list[Mapping[str, Any]], chosen: Mapping[str, Any]) -> None:
@@ -193,7 +190,9 @@ class _Candidates:
         with self.detail:
             with ui.row().classes("items-center justify-between w-full"):
                 subheading(spoken(entry["law"]), shown.effect.look)
-                if self.diagnosis["verdict"] != "nothing_missing":
+                if entry["law"] in models.laws_in(self.studio, self.c):
+                    ui.label("in the model already").classes("tag made")
+                elif self.diagnosis["verdict"] != "nothing_missing":
                     add = ui.button(f"Add {spoken(entry['law'])}", icon="add").props("unelevated color=accent")
                     add.on_click(lambda: attempt(lambda: self._add(entry)))
             self.holder = ui.column().classes("w-full")
@@ -222,19 +221,18 @@ class _Candidates:
     def _add(self, entry: Mapping[str, Any]) -> None:
         from testbench.api.models.adding import laws_with
 
-        models.keep_diagnosis(self.studio, self.c)
+        models.check_is_lacking(self.studio, self.c, [entry["law"]])
         done = partial(ui.navigate.to, address("/ladder", c=self.c))
         found = [one["law"] for one in self.diagnosis["found"]]
         # What the diagnosis has refitted already need not be fitted again: all that it found, or the shapes alone.
         if self._is_fresh() and (found == [entry["law"]] or (not found and self._base_misfits())):
-            models.adopt_diagnosed(self.studio, self.c)
+            models.adopt_diagnosed(self.studio, self.c, self.diagnosis)
             if found:
                 done()
                 return
         path = models.model_path(self.studio, self.c)
         laws = laws_with(self.diagnosis, entry["law"], path, self.studio.catalogue())
-        commands = [models.add_command(self.studio, self.c, law) for law in laws]
-        models.run_in_turn(self.studio, f"model:{self.c}", commands, self.holder, done)
+        models.add_laws(self.studio, self.c, laws, self.diagnosis, self.holder, done)
 
     def _base_misfits(self) -> bool:
         """Whether the base needs other laws or shapes, whatever else is missing."""
@@ -242,7 +240,8 @@ class _Candidates:
 
     def _is_fresh(self) -> bool:
         """Whether the diagnosis was made of the model as it is now, and its own model is there."""
-        return models.diagnosed_path(self.studio, self.c).is_file() and models.is_fresh(self.studio, self.c)
+        own = models.diagnosed_path(self.studio, self.c)
+        return own.is_file() and models.is_fresh(self.studio, self.c, self.diagnosis)
 
 
 def predicted(studio: Studio, c: str, diagnosis: Mapping[str, Any], entry: Mapping[str, Any]) -> ContributionResult:

@@ -11,10 +11,10 @@ from nicegui import ui
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT
 from testbench.recordings.channels import RESISTANCE as RESISTANCE_CHANNEL
-from testbench.recordings.manifest import IN_PROGRESS
+from testbench.recordings.manifest import CSV, IN_PROGRESS
 from testbench.recordings.recording import Recording
 from testbench.report.figures import recording_figures as figures
-from testbench.studio.models import LAST_THIRD, held_out_of, model_path
+from testbench.studio.models import LAST_THIRD, has_model, held_out_of
 from testbench.studio.pages.campaign.compare import view_of
 from testbench.studio.parts.address import Address, address, span_of
 from testbench.studio.parts.origin import provenance
@@ -57,7 +57,7 @@ async def page(studio: Studio, c: str = "", show: str = "", start: str = "", end
     caption = "Drag to zoom; double-click to see all again. A zoom draws every sample of its stretch."
     drawn = partial(figures.time_series, recording, resistance=kohm)
     zooming_plot(drawn, caption, recording.time_s, span_of(start, end), where.note_span)
-    path = studio.workspace.campaign(c).folder / "recording.csv"
+    path = studio.workspace.campaign(c).folder / CSV
     later(partial(_below, c, recording, path, kohm))
     later(partial(provenance, studio, c))
     later(partial(_prepare, studio, c))
@@ -68,7 +68,9 @@ def _below(c: str, recording: Recording, path: Path, kohm: bool) -> None:
     if loops:
         plot(loops, "Six half minutes, the first dark, the last light: a shift along the colours is drift.")
     rate = f"; the speed is taken at {figures.speed_rate_hz(recording):.3g} Hz" if recording.has(DISPLACEMENT) else ""
-    plot(figures.distributions(recording, kohm), f"How often each value occurred{rate}.")
+    shares = figures.distributions(recording, kohm)
+    if shares:
+        plot(shares, f"How often each value occurred{rate}.")
     with ui.row():
         ui.button(
             "Download CSV", icon="download", on_click=lambda: ui.download(path, f"{path.parent.name}.csv")
@@ -79,7 +81,7 @@ def _below(c: str, recording: Recording, path: Path, kohm: bool) -> None:
 
 async def _prepare(studio: Studio, c: str) -> None:
     """Work the comparison out while the recording is looked at: it is what comes next."""
-    if model_path(studio, c).is_file():
+    if has_model(studio, c):
         with contextlib.suppress(UserError):  # the page of the comparison will say it
             held = held_out_of(studio, c)
             await aside(view_of, studio, c, c if held == LAST_THIRD else held)

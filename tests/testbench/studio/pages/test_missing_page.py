@@ -7,17 +7,21 @@ import json
 import os
 import shutil
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
+from nicegui import ui
 from nicegui.testing import User
 
 import tests.testbench.report.samples as samples
+from gcode.support.errors import UserError
+from testbench.results.result_files import read_diagnosis
 from testbench.studio import models
 from testbench.studio.pages.campaign import missing
 from testbench.studio.parts.picture import Picture
 from testbench.studio.studio import Studio
-from tests.testbench.studio.diagnoses import with_diagnosis
+from tests.testbench.studio.diagnoses import refit_elsewhere, running_job, with_diagnosis
 
 pytestmark = pytest.mark.asyncio
 
@@ -85,11 +89,78 @@ async def test_looking_at_a_candidate_shows_its_prediction(user: User, fitted: S
     await user.should_see("lie on the dashed line")
 
 
-async def test_an_old_diagnosis_is_called_old(user: User, fitted: Studio) -> None:
+@pytest.mark.parametrize("path", ["/missing?c=sleeve", "/experiment?c=sleeve"])
+async def test_a_diagnosis_of_another_model_is_called_old_whatever_the_times_of_files(
+    user: User, fitted: Studio, path: str
+) -> None:
     with_diagnosis(fitted)
     os.utime(fitted.workspace.results("sleeve") / "diagnosis.json", (1, 1))
-    await user.open("/missing?c=sleeve")
+    await user.open(path)
+    await user.should_see("stress relaxation")
+    await user.should_not_see("The model has changed since this diagnosis.")
+    with_diagnosis(fitted)
+    refit_elsewhere(fitted)
+    await user.open(path)
     await user.should_see("The model has changed since this diagnosis.")
+
+
+async def test_a_diagnosis_of_an_undone_model_is_fresh_though_that_was_fitted_once_more(fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    path = models.model_path(fitted, "sleeve")
+    data = json.loads(path.read_text())
+    data["history"][0]["errors"]["held_out"] = {"force": 0.5, "conductance": 0.5}
+    path.write_text(json.dumps(data))
+    assert not models.is_fresh(fitted, "sleeve")
+    path.write_text(json.dumps(data | {"fit": {}}))
+    assert models.is_fresh(fitted, "sleeve")
+    data["history"][0]["model"]["effects"].pop()
+    path.write_text(json.dumps(data | {"fit": {}}))
+    assert not models.is_fresh(fitted, "sleeve")
+
+
+@pytest.mark.parametrize("kind", ["diagnose", "propose"])
+async def test_the_model_stays_while_it_is_asked_about(user: User, fitted: Studio, kind: str) -> None:
+    with_diagnosis(fitted)
+    fitted.jobs.jobs.append(running_job(f"{kind}:sleeve"))
+    for path, button in (
+        ("/missing?c=sleeve", "Add stress relaxation"),
+        ("/ladder?c=sleeve", "Undo the last step"),
+        ("/compare?c=sleeve", "Fit the baseline anew"),
+    ):
+        await user.open(path)
+        await user.should_see(kind=ui.button, content=button, retries=100)
+        for one in user.find(kind=ui.button, content=button).elements:
+            one.set_enabled(True)
+        user.find(kind=ui.button, content=button).click()
+        await user.should_see("Looking around: this is still under way, and the model of sleeve must stay as it is")
+    assert len(fitted.jobs.jobs) == 1
+    fitted.jobs.jobs.clear()
+
+
+async def test_a_tab_that_does_not_know_of_the_model_keeps_it_before_it_is_fitted_anew(
+    user: User, studio: Studio, fitted_model: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun: list[str] = []
+    monkeypatch.setattr(models, "change_model", lambda studio, c, *more: begun.append(c))
+    await user.open("/missing?c=sleeve")
+    await user.should_see("Fit the baseline")
+    studio.make_results("model:sleeve")
+    shutil.copy(fitted_model, models.model_path(studio, "sleeve"))
+    user.find(kind=ui.button, content="Fit the baseline").click()
+    await asyncio.sleep(0)
+    assert begun == ["sleeve"]
+    kept = studio.workspace.results("sleeve") / models.BEFORE
+    assert kept.read_bytes() == fitted_model.read_bytes()
+
+
+async def test_motions_for_an_earlier_diagnosis_are_not_shown(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    (fitted.workspace.results("sleeve") / "experiment.json").write_text(json.dumps(samples.experiment()))
+    asked = samples.diagnosis() | {"left_unexplained": 0.5}
+    (fitted.workspace.results("sleeve") / "experiment-asked.json").write_text(json.dumps(asked))
+    await user.open("/experiment?c=sleeve")
+    await user.should_see("Which is it")
+    await user.should_not_see("Run “long hold”")
 
 
 async def test_the_next_step_is_judged_on_what_the_first_was(fitted: Studio) -> None:
@@ -107,30 +178,101 @@ async def test_the_next_step_is_judged_on_what_the_first_was(fitted: Studio) -> 
     assert argv[argv.index("--held-out") + 1] == str(fitted.workspace.root / "other")
 
 
-async def test_what_the_diagnosis_put_in_goes_on_top_of_the_ladder(fitted: Studio) -> None:
-    data = json.loads(models.model_path(fitted, "sleeve").read_text())
-    found = data | {"history": [data["history"][0], data["history"][0] | {"step": "+ slack"}]}
-    models.diagnosed_path(fitted, "sleeve").write_text(json.dumps(found))
-    models.adopt_diagnosed(fitted, "sleeve")
-    models.adopt_diagnosed(fitted, "sleeve")
+def with_diagnosed(studio: Studio, *names: str) -> dict[str, Any]:
+    """A diagnosis of ``sleeve`` that put these effects in, and its model; what `read_diagnosis` makes of it."""
+    with_diagnosis(studio)
+    model = json.loads(models.model_path(studio, "sleeve").read_text())
+    worse = {"errors": {kind: {"force": 9.0, "conductance": 9.0} for kind in ("calibration", "held_out")}}
+    steps = [model["history"][-1], *(model["history"][-1] | worse | {"step": f"+ {name}"} for name in names)]
+    models.diagnosed_path(studio, "sleeve").write_text(json.dumps(model | {"history": steps}))
+    path = models.diagnosis_path(studio, "sleeve")
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"history": steps}))
+    return dict(read_diagnosis(path))
+
+
+async def test_what_the_diagnosis_put_in_goes_on_top_of_the_ladder_once(fitted: Studio) -> None:
+    diagnosis = with_diagnosed(fitted, "slack")
+    models.adopt_diagnosed(fitted, "sleeve", diagnosis)
+    (line,) = fitted.commands_path("sleeve").read_text().splitlines()
+    copied = f"  cp {models.diagnosed_path(fitted, 'sleeve')} {models.model_path(fitted, 'sleeve')}"
+    assert line.endswith(copied), "the log leads to the model as it is"
+    with pytest.raises(UserError, match="sleeve: the model or the diagnosis has changed since"):
+        models.adopt_diagnosed(fitted, "sleeve", diagnosis)
     steps = [step["step"] for step in json.loads(models.model_path(fitted, "sleeve").read_text())["history"]]
-    assert steps == ["baseline", "+ slack", "+ slack"]
+    assert steps == ["baseline", "+ slack"]
 
 
-async def test_the_diagnosis_of_each_step_is_kept(user: User, fitted: Studio) -> None:
-    with_diagnosis(fitted)
-    models.keep_diagnosis(fitted, "sleeve")
-    assert models.kept_diagnoses(fitted, "sleeve") == {}, "the step has not been taken yet"
-    path = models.model_path(fitted, "sleeve")
+async def test_steps_that_were_judged_on_other_samples_are_not_put_on_the_ladder(fitted: Studio) -> None:
+    diagnosis = with_diagnosed(fitted, "slack")
+    refit_elsewhere(fitted)
+    with pytest.raises(UserError, match="has changed since; ask again what is missing"):
+        models.adopt_diagnosed(fitted, "sleeve", diagnosis)
+    assert models.steps_in(fitted, "sleeve") == 1
+
+
+async def test_a_stale_tab_does_not_adopt_what_a_later_diagnosis_found(fitted: Studio) -> None:
+    stale = with_diagnosed(fitted, "slack")
+    with_diagnosed(fitted, "creep")
+    with pytest.raises(UserError, match="has changed since; ask again what is missing"):
+        models.adopt_diagnosed(fitted, "sleeve", stale)
+    assert models.steps_in(fitted, "sleeve") == 1
+
+
+def with_step(studio: Studio, name: str) -> None:
+    """One more step on the ladder of ``sleeve``, as `testbench add` would put it there."""
+    path = models.model_path(studio, "sleeve")
     data = json.loads(path.read_text())
-    data["history"].append(data["history"][0] | {"step": "+ stress_relaxation"})
+    data["history"].append(data["history"][0] | {"step": f"+ {name}"})
     path.write_text(json.dumps(data))
+
+
+async def test_the_diagnosis_of_each_step_is_kept(
+    user: User, fitted: Studio, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with_diagnosis(fitted)
+    monkeypatch.setattr(models, "change_model", lambda *some: None)
+    diagnosis = read_diagnosis(models.diagnosis_path(fitted, "sleeve"))
+    models.add_laws(fitted, "sleeve", ["stress_relaxation"], diagnosis, None, lambda: None)
+    assert models.kept_diagnoses(fitted, "sleeve") == {}, "the step has not been taken yet"
+    with_step(fitted, "stress_relaxation")
     with_diagnosis(fitted, "nothing_missing")
     kept = models.kept_diagnoses(fitted, "sleeve")
     assert list(kept) == [1]
-    assert json.loads(kept[1].read_text())["verdict"] == "missing"
+    assert read_diagnosis(kept[1])["verdict"] == "missing"
     await user.open("/ladder?c=sleeve")
     await user.should_see("The diagnosis that led to step 1, stress relaxation", retries=50)
+
+
+async def test_a_diagnosis_is_not_told_of_a_step_that_it_did_not_lead_to(fitted: Studio, fitted_model: Path) -> None:
+    with_diagnosis(fitted)
+    diagnosis = read_diagnosis(models.diagnosis_path(fitted, "sleeve"))
+    before = list(diagnosis["history"])
+    models.keep_diagnosis(fitted, "sleeve", diagnosis, before, "+ stress_relaxation")
+    with_step(fitted, "slack")
+    assert models.kept_diagnoses(fitted, "sleeve") == {}, "another step was taken after the first was undone"
+    shutil.copy(fitted_model, models.model_path(fitted, "sleeve"))
+    with_step(fitted, "stress_relaxation")
+    assert list(models.kept_diagnoses(fitted, "sleeve")) == [1]
+    refit_elsewhere(fitted)
+    assert models.kept_diagnoses(fitted, "sleeve") == {}, "the baseline was fitted anew"
+
+
+async def test_what_is_in_the_model_already_is_not_added_again(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    await user.open("/missing?c=sleeve")
+    await user.should_see("Add stress relaxation", retries=100)
+    path = models.model_path(fitted, "sleeve")
+    data = json.loads(path.read_text())
+    data["history"][-1]["model"]["effects"].append(
+        {"name": "relaxed", "effect": "stress_relaxation", "parameters": {}}
+    )
+    path.write_text(json.dumps(data))
+    user.find(kind=ui.button, content="Add stress relaxation").click()
+    await user.should_see("stress relaxation: it is in the model of sleeve already; ask again")
+    assert not models.step_diagnosis(fitted, "sleeve", 1).exists()
+    await user.open("/missing?c=sleeve")
+    await user.should_see("in the model already", retries=100)
+    await user.should_not_see("Add stress relaxation")
 
 
 async def test_commands_of_a_campaign_are_kept(studio: Studio) -> None:

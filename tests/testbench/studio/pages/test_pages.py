@@ -13,7 +13,9 @@ from nicegui.testing import User
 
 import tests.testbench.report.samples as samples
 from gcode.cli import main as gcode
+from gcode.support.errors import UserError
 from testbench.cli import main as run_testbench
+from testbench.studio.parts import widgets
 from testbench.studio.parts.address import address
 from testbench.studio.parts.picture import Picture, zoomed_span
 from testbench.studio.studio import Studio
@@ -75,6 +77,7 @@ async def test_training_is_offered_for_each_target(user: User) -> None:
 
 
 async def test_a_score_is_shown_with_its_figures(user: User, studio: Studio) -> None:
+    studio.make_results("train:sleeve:force")
     (studio.workspace.results("sleeve") / "force.score.json").write_text(json.dumps(samples.score()))
     await user.open("/compensate?c=sleeve")
     await user.should_see("Export for the chip")
@@ -174,7 +177,80 @@ async def test_what_was_chosen_to_be_compared_stays_chosen_in_a_narrower_list(us
 
 
 async def test_a_compensator_is_compared_where_no_model_was_fitted(user: User, studio: Studio) -> None:
+    studio.make_results("train:sleeve:force")
     (studio.workspace.results("sleeve") / "force.score.json").write_text(json.dumps(samples.score()))
     await user.open("/side?a=sleeve&b=sleeve")
     await user.should_see("six half minutes", retries=50)
     assert any("r² of the force, compensated" in html.content for html in user.find(kind=ui.html).elements)
+
+
+async def test_what_nobody_expected_is_said_in_its_place_too(
+    user: User, studio: Studio, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def broken(*some: object, **more: object) -> None:
+        raise ZeroDivisionError("division by zero")
+
+    monkeypatch.setattr("testbench.studio.pages.campaign.recording.figures.distributions", broken)
+    await user.open("/recording?c=sleeve")
+    await user.should_see("This page could not be built: ZeroDivisionError: division by zero.", retries=50)
+    await user.should_see("Where it comes from", retries=50)
+    monkeypatch.setattr("testbench.studio.pages.campaign.recording.figures.summary", broken)
+    await user.open("/recording?c=sleeve")
+    await user.should_see("This page could not be built: ZeroDivisionError")
+    with user:
+        await widgets.attempt(broken)
+    await user.should_see("This could not be done: ZeroDivisionError")
+    assert "division by zero" in caplog.text, "where it happened is in the log"
+    caplog.clear()
+
+
+async def test_what_a_later_part_refuses_is_said_in_its_place(
+    user: User, studio: Studio, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*some: object, **more: object) -> None:
+        raise UserError("the summary is gone; fetch it")
+
+    monkeypatch.setattr("testbench.studio.pages.campaign.recording.figures.hysteresis_loops", refuse)
+    await user.open("/recording?c=sleeve")
+    await user.should_see("the summary is gone; fetch it", retries=50)
+
+
+@pytest.mark.parametrize(
+    ("path", "said"),
+    [
+        ("/recording?c=sleeve&start=1&end=inf", "both must be seconds"),
+        ("/recording?c=sleeve&start=nan&end=3", "both must be seconds"),
+        ("/recording?c=sleeve&show=colour", "Duration"),
+        ("/recording?c=a%00b", "no campaign"),
+        ("/ladder?c=a%00b", "no campaign"),
+    ],
+)
+async def test_addresses_that_ask_for_the_impossible_have_a_page(user: User, path: str, said: str) -> None:
+    await user.open(path)
+    await user.should_see(said)
+    await user.should_not_see("could not be built")
+
+
+async def test_a_file_of_two_rows_has_all_but_its_distributions(user: User, studio: Studio, tmp_path: Path) -> None:
+    (tmp_path / "two.csv").write_text("time_s,displacement_mm,force_N\n0,0,0.1\n0.01,1,0.2\n")
+    argv = ["import", str(tmp_path / "two.csv"), "--gauge-length-mm", "25", "-o", str(studio.workspace.root / "two")]
+    assert run_testbench(argv) == 0
+    await user.open("/recording?c=two")
+    await user.should_see("Download CSV", retries=50)
+    await user.should_not_see("at least 2 samples")
+
+
+async def test_what_was_changed_on_disk_meanwhile_is_not_overwritten(user: User, studio: Studio) -> None:
+    path = studio.effects_path
+    path.write_text("first = 1\n")
+    studio.agree_to_effects()
+    await user.open("/effects")
+    await user.should_see("Save and check")
+    path.write_text("changed_elsewhere = 1\n")
+    user.find("Save and check").click()
+    await user.should_see("effects.py was changed on disk since it was read here")
+    assert path.read_text() == "changed_elsewhere = 1\n"
+    user.find("Read the file again").click()
+    user.find("Save and check").click()
+    await asyncio.sleep(0)
+    assert studio.jobs.find("effects") is not None
