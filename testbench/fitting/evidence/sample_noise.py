@@ -70,7 +70,7 @@ def likelihood_of(
     weight, floor, is_read = {}, {}, measurement.is_read
     for channel, values in measurement.measured.items():
         speed = np.gradient(modelled[channel], measurement.signals["time_s"])[rows]
-        by_level = _noise_by_level(values, is_read)[rows]
+        by_level = _noise_by_level(values, is_read, rounding(sampled(measurement, channel)[1]))[rows]
         read = noise[channel] * np.clip(by_level / np.median(by_level), 0.3, MOST_NOISE)
         sd = np.hypot(read, (slope[channel] * measurement.strain_noise)[rows])
         sd = np.hypot(sd, (jitter_s or {}).get(channel, 0.0) * speed)
@@ -104,10 +104,11 @@ def _slopes(model: KnitModel, measurement: Measurement, modelled: Mapping[str, F
     return {c: (channel_of(there, c) - here) / step for c, here in modelled.items()}
 
 
-def _noise_by_level(values: FloatArray, is_read: np.ndarray) -> FloatArray:
+def _noise_by_level(values: FloatArray, is_read: np.ndarray, least: float) -> FloatArray:
     """Standard deviation of the noise at each sample, from second differences among readings of its level.
 
-    Of three neighbours in the grid, all of which were read: a straight line over a gap has no noise.
+    Of three neighbours in the grid, all of which were read: a straight line over a gap has no noise. Nor do readings of
+    an instrument that rounds differ where little moves, and are yet no better than its rounding, `least`.
     """
     usable = within_range(values) & is_read
     three = usable[:-2] & usable[1:-1] & usable[2:]
@@ -121,5 +122,6 @@ def _noise_by_level(values: FloatArray, is_read: np.ndarray) -> FloatArray:
         if inside.sum() >= FEWEST:
             at.append(float(np.median(middle[inside])))
             sd.append(robust_sd(second[inside]))
-    overall = max(robust_sd(second), 1e-12)
-    return np.interp(values, at, np.maximum(sd, 0.2 * overall)) if at else np.full(len(values), overall)
+    overall = max(robust_sd(second), least, 1e-12)
+    lowest = max(0.2 * overall, least)
+    return np.interp(values, at, np.maximum(sd, lowest)) if at else np.full(len(values), overall)
