@@ -17,7 +17,7 @@ EXAMPLE = (
 
 ASKED = {"max_force_n": "force_max_N", "repeat": "most"}  # other names than the public function's
 # What an investigation keeps as it began.
-AS_BEGUN = {"run_minutes", "fresh", "rest_s", *BOUNDS, *ASKED, "gauge_length_mm", "trials", "seed", "motion"}
+AS_BEGUN = {"model", "run_minutes", "fresh", "rest_s", *BOUNDS, *ASKED, "gauge_length_mm", "trials", "seed", "motion"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -120,4 +120,4 @@ def _asked(args: argparse.Namespace) -> dict[str, Any]:
     asked = {ASKED.get(name, name): said[name] for name in names}
     asked["bounds"] = bounds_of(args)
     asked["specimen"] = "fresh" if args.fresh else "aged"
-    return asked | {name: getattr(args, name) for name in ("port", "speed", "model", "effects")}
+    return asked | {name: getattr(args, name) for name in ("port", "speed", "effects")}

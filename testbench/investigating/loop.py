@@ -63,8 +63,12 @@ class Watcher:
     stopped: Callable[[], bool] = lambda: False
 
 
-def begin(folder: Path, settings: Settings, sensor: str = "") -> Investigation:
+def begin(
+    folder: Path, settings: Settings, sensor: str = "", keep: Callable[[Path], None] = lambda folder: None
+) -> Investigation:
     """Make the folder of a new investigation.
+
+    `keep` writes what lies beside its state, and before it: a kill leaves no investigation that lacks it.
 
     Raises
     ------
@@ -76,7 +80,7 @@ def begin(folder: Path, settings: Settings, sensor: str = "") -> Investigation:
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise UserError(f"{folder}: exists and is not empty; choose another place with -o")
     investigation = Investigation(sensor=sensor, settings=settings)
-    make_folder(folder)
+    keep(make_folder(folder))
     save_investigation(folder, investigation)
     return investigation
 

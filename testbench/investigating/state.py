@@ -14,7 +14,7 @@ from testbench.design.forecast import Likely, Reading
 from testbench.design.protocols import Bounds, menu
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.measurements.responses import UNIT_OF
-from testbench.recordings.stored import GaugeLength, Label, Remark, checked_model
+from testbench.recordings.stored import GaugeLength, Label, Remark, Sha256, checked_model
 
 NAME = "investigation.json"
 FORMAT = "knitbench-investigation"
@@ -45,6 +45,10 @@ class Settings(StrictModel):
         ``perlin``: random motion all along, to compare with.
     rest_s : float
         Rest of an aged specimen before each run but the first.
+    effects_sha256 : str or None
+        Of the file with effects of the user's own.
+    own_effects : list of str or None
+        Their names, from a file or not; None: an older version kept none.
     """
 
     bounds: dict[Label, Positive]
@@ -58,6 +62,8 @@ class Settings(StrictModel):
     effects_at_most: int = Field(1, ge=1, le=10)
     force_max_N: Positive | None = None
     gauge_length_mm: GaugeLength = 25.0
+    effects_sha256: Sha256 | None = None
+    own_effects: list[Label] | None = Field(None, max_length=1000)
 
     @field_validator("bounds")
     @classmethod
