@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -49,6 +50,8 @@ class Settings(StrictModel):
         Of the file with effects of the user's own.
     own_effects : list of str or None
         Their names, from a file or not; None: an older version kept none.
+    strain_allowed_percent : float or None
+        What the force has allowed so far, where it has passed its limit once; no motion goes beyond it.
     """
 
     bounds: dict[Label, Positive]
@@ -64,6 +67,7 @@ class Settings(StrictModel):
     gauge_length_mm: GaugeLength = 25.0
     effects_sha256: Sha256 | None = None
     own_effects: list[Label] | None = Field(None, max_length=1000)
+    strain_allowed_percent: Positive | None = None
 
     @field_validator("bounds")
     @classmethod
@@ -86,7 +90,9 @@ class Settings(StrictModel):
     @property
     def limits(self) -> Bounds:
         """As the design needs them."""
-        return Bounds(**{**self.bounds, "gauge_length_mm": self.gauge_length_mm})
+        asked = Bounds(**{**self.bounds, "gauge_length_mm": self.gauge_length_mm})
+        allowed = self.strain_allowed_percent or asked.strain_max_percent
+        return replace(asked, strain_max_percent=min(asked.strain_max_percent, allowed))
 
 
 class LikelyState(StrictModel):
