@@ -21,9 +21,15 @@ def program(tmp_path):
     return str(tmp_path / "p\x1b[31m.tap")
 
 
-@pytest.mark.parametrize("option", ["--a-max", "--machine-acceleration", "--rapid"])
+@pytest.mark.parametrize("option", ["--a-max", "--machine-acceleration"])
 def test_a_controller_that_never_arrives_is_refused(program, capsys, option):
     assert main(["check", program, *LIMITS, option, "1e-300"]) == 1
+    assert "not executed, since this controller would take" in capsys.readouterr().out
+
+
+def test_a_rapid_move_that_never_arrives_is_refused(tmp_path, capsys):
+    (tmp_path / "rapid.tap").write_text("G21 G90 G94\nG64\nG0 X1\nM30\n")
+    assert main(["check", str(tmp_path / "rapid.tap"), *LIMITS, "--rapid", "1e-300"]) == 1
     assert "not executed, since this controller would take" in capsys.readouterr().out
 
 
