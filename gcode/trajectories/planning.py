@@ -10,9 +10,9 @@ from gcode.motion.limits import drive_within, sampled_positions
 from gcode.motion.path import Frame, Path, join, way
 from gcode.support.errors import UserError
 from gcode.trajectories.bounds import Limits, excesses
+from gcode.trajectories.quantities import MAX_SAMPLES
 from gcode.trajectories.trajectory import Trajectory, TrajectorySpec, position_decimals, sampled
 
-MAX_SAMPLES = 20_000_000
 MOST_STROKES = 2_000_000
 # Finite differences of rounded positions, and the executed motion's own deviations, need some room.
 _MARGINS = (0.95, 0.9, 0.8, 0.6)

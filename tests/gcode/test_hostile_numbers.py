@@ -8,6 +8,7 @@ from gcode.cli import main
 from gcode.programs.make import make
 from gcode.support.errors import UserError
 from gcode.trajectories.designed import Hold, Ramp, RateSweep, Staircase, Triangle
+from gcode.trajectories.natural import Noise
 from gcode.trajectories.planning import plan
 from gcode.trajectories.trajectory import TrajectorySpec
 from tests.fuzz.targets import SPEC
@@ -36,6 +37,27 @@ def test_a_rapid_move_that_never_arrives_is_refused(tmp_path, capsys):
 def test_the_name_of_a_file_does_not_steer_the_terminal(program, capsys):
     assert main(["check", program, *LIMITS, "--v-max", "0.001"]) == 1
     assert "\x1b" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "--v-mean 0.9 --v-sd 0.6 --a-mean 1.4 --a-sd 1.3 --gauge-length-mm 0.025",
+        "--v-mean 1000 --v-sd 600 --a-mean 1500 --a-sd 1500",
+    ],
+)
+def test_a_fit_that_the_stroke_has_no_room_for_is_refused(words, capsys):
+    """They ran for minutes."""
+    assert main(["fit", *words.split()]) == 2
+    assert "noise: the target cannot be reached" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("duration_s", [60.0, 9000.0])
+def test_noise_that_is_far_slower_than_its_least_speed_is_refused(duration_s):
+    """It was made longer and longer, for ever."""
+    noise = Noise(duration_s=duration_s, cells_per_s=1e-5, min_speed_mm_per_s=3.0)
+    with pytest.raises(UserError, match="far slower than min_speed_mm_per_s = 3"):
+        plan(TrajectorySpec.of(noise, name="slow"), 1, 25.0)
 
 
 @pytest.mark.parametrize("gauge_length_mm", [1e-300, 0.0, -1.0, 1e300, float("nan")])
