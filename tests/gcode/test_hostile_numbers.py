@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from gcode.cli import main
-from gcode.programs.make import make
+from gcode.mach4.reader import read_program
+from gcode.programs.make import make, make_again
 from gcode.support.errors import UserError
 from gcode.trajectories.designed import Hold, Ramp, RateSweep, Staircase, Triangle
 from gcode.trajectories.natural import Noise
@@ -58,6 +59,18 @@ def test_noise_that_is_far_slower_than_its_least_speed_is_refused(duration_s):
     noise = Noise(duration_s=duration_s, cells_per_s=1e-5, min_speed_mm_per_s=3.0)
     with pytest.raises(UserError, match="far slower than min_speed_mm_per_s = 3"):
         plan(TrajectorySpec.of(noise, name="slow"), 1, 25.0)
+
+
+@pytest.mark.parametrize("seed", [-1, 1 << 53, (1 << 53) + 1, 1 << 62])
+def test_a_seed_that_a_header_cannot_hold_is_refused(seed):
+    """It made a program that `gcode check` refused."""
+    with pytest.raises(UserError, match=f"seed must be a whole number from 0 to 9007199254740991, got {seed}"):
+        make(SPEC, seed, 25.0)
+
+
+def test_the_largest_seed_can_be_made_again():
+    made = make(SPEC, (1 << 53) - 1, 25.0)
+    assert make_again(read_program(made.program)).program == made.program
 
 
 @pytest.mark.parametrize("gauge_length_mm", [1e-300, 0.0, -1.0, 1e300, float("nan")])
