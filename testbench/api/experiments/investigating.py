@@ -101,7 +101,8 @@ def investigate(
     most : int
         Effects that a diagnosis puts in at most; the belief is about the one that is missing most.
     force_max_N : float, optional
-        No motion is designed that any likely hypothesis expects more force of; a real recording stops there.
+        No motion is designed that any likely hypothesis expects more force of; a real recording stops there, and
+        with `resume` its run is planned anew with less strain. Before the first run nothing is known of the force.
     gauge_length_mm : float
         Length of the unstretched sensor between the clamps.
     model : KnitModel, result or path, optional
