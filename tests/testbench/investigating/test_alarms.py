@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from gcode.support.errors import UserError
+from testbench.campaigns.plan import Plan
 from testbench.investigating import benches
 from testbench.investigating.benches import PortBench, SimulatedBench
 from testbench.investigating.state import NAME, load_investigation, program_folder, run_folder
@@ -101,3 +103,20 @@ def test_killed_before_the_recording_is_set_aside_it_is_set_aside_once_more(tmp_
         investigated(folder, monkeypatch, [], Rig("port", limits=Limits(max_force_N=0.01)), resume=True)
     assert (folder / "run-1-alarm-1").is_dir()
     assert load_investigation(folder).settings.strain_allowed_percent is not None
+
+
+def test_where_the_device_sent_no_force_the_same_motion_is_recorded_anew(tmp_path, monkeypatch, rig):
+    """The load cell was not connected: that says nothing of the motion."""
+    folder, deaf = tmp_path / "i", Rig("port", limits=Limits(max_force_N=1e3))
+    lines_of = Plan.wire_lines
+    monkeypatch.setattr(
+        Plan, "wire_lines", lambda self, motion: list(replace(self.rig(motion).readings(), force_uN=None).lines())
+    )
+    with pytest.raises(UserError, match="connect the load cell"):
+        investigated(folder, monkeypatch, [], deaf, force_max_N=1e3, motion="perlin")
+    program = (program_folder(folder, 1) / "program.tap").read_bytes()
+    monkeypatch.setattr(Plan, "wire_lines", lines_of)
+    ended, _ = investigated(folder, monkeypatch, [0.99], deaf, resume=True)
+    assert ended.settings.strain_allowed_percent is None
+    assert (program_folder(folder, 1) / "program.tap").read_bytes() == program
+    assert (folder / "run-1-alarm-1").is_dir()
