@@ -20,6 +20,7 @@ OCTAVE_PEAK = 0.78  # what one octave reaches in about 23 min
 SOFT_FROM = 0.9  # noise beyond this part of the half range is bent smoothly, so that it never passes the end
 PACE_RATIO = 0.2  # the pace changes this much slower than the noise itself
 SPRINT_HALF_WIDTH_S = 2.0
+TELLING_SAMPLES = 100_000  # of noise say how much of it a run will need; a few seconds may be at rest by chance
 LONGEST_SOURCE = 20.0  # times the duration: noise so much slower than its least speed is no longer noise
 
 
@@ -129,7 +130,9 @@ class Noise(RangedPiece):
         source_s, path = 1.15 * self.duration_s, self._whole(1.15 * self.duration_s, frame)
         while (executed_s := float(path.duration_s.sum())) < self.duration_s:
             # The minimum speed shortens the run, so the source is longer than asked for.
-            self._check_source(source_s * self.duration_s / max(executed_s, 1e-300), frame)
+            telling = source_s * frame.rate_hz > TELLING_SAMPLES
+            needed_s = source_s * self.duration_s / max(executed_s, 1e-300) if telling else 1.15 * source_s
+            self._check_source(needed_s, frame)
             source_s *= 1.15
             path = self._whole(source_s, frame)
         motion = drive_within(path, frame.v_max_mm_per_s, frame.a_max_mm_per_s2)
@@ -139,12 +142,12 @@ class Noise(RangedPiece):
         return Path(path.position_mm[: last + 1], path.duration_s[:last])
 
     def _check_source(self, needed_s: float, frame: Frame) -> None:
-        """Refuse a run that needs too much noise; it is more than what is there as long as that is too little."""
+        """Refuse a run that needs so much noise, or more; it is always more than what was too little."""
         if needed_s > LONGEST_SOURCE * self.duration_s or needed_s * frame.rate_hz > MAX_SAMPLES:
             raise UserError(
                 f"noise: at {self.cells_per_s:.3g} cells/s it is far slower than min_speed_mm_per_s = "
                 f"{self.min_speed_mm_per_s:.3g}, so that {self.duration_s:g} s of motion need {needed_s:.3g} s of "
-                f"noise (at most {LONGEST_SOURCE:g} times as long, and {MAX_SAMPLES} samples); lower "
+                f"noise or more (at most {LONGEST_SOURCE:g} times as long, and {MAX_SAMPLES} samples); lower "
                 "min_speed_mm_per_s, or raise cells_per_s or the strain range"
             )
 

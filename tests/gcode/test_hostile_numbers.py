@@ -11,6 +11,7 @@ from gcode.support.errors import UserError
 from gcode.trajectories.designed import Hold, Ramp, RateSweep, Staircase, Triangle
 from gcode.trajectories.natural import Noise
 from gcode.trajectories.planning import plan
+from gcode.trajectories.presets import preset
 from gcode.trajectories.trajectory import TrajectorySpec
 from tests.fuzz.targets import SPEC
 
@@ -59,6 +60,13 @@ def test_noise_that_is_far_slower_than_its_least_speed_is_refused(duration_s):
     noise = Noise(duration_s=duration_s, cells_per_s=1e-5, min_speed_mm_per_s=3.0)
     with pytest.raises(UserError, match="far slower than min_speed_mm_per_s = 3"):
         plan(TrajectorySpec.of(noise, name="slow"), 1, 25.0)
+
+
+def test_a_piece_of_two_seconds_that_begins_at_rest_is_planned():
+    """Its first seconds of noise say nothing of how much it needs."""
+    fast = preset("fast")
+    piece = fast.pieces[0].model_copy(update={"duration_s": 2.0})
+    assert make(fast.model_copy(update={"pieces": (piece,)}), 0, 10.0).statistics.x_max_mm > 1
 
 
 @pytest.mark.parametrize("seed", [-1, 1 << 53, (1 << 53) + 1, 1 << 62])
