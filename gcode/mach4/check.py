@@ -88,7 +88,7 @@ def check_program(
     machine : Machine or None
         The controller. None: five times the limit; what the file says of the controller counts for nothing.
     rapid_mm_per_s : float or None
-        Speed of G0 moves. None: unknown, so G0 moves are refused.
+        Speed of G0 moves, in place of the machine's. None: unknown, so G0 moves are refused.
     longest_dwell_s : float or None
         None: 120 s. A program of ours that was made again from its recipe may dwell as long as it likes; see
         `gcode.programs.made_again`.
@@ -115,7 +115,7 @@ def check_program(
     if unplayed := _unplayed(program, rate_hz):
         problems.append(Problem(1, unplayed))
     else:
-        motion = execute(program, machine or _machine(limits, rapid_mm_per_s))
+        motion = execute(program, _machine(machine, limits, rapid_mm_per_s))
         found, statistics = _executed(program, motion, rate_hz, limits)
         hint = "" if machine else _other_controller(program, limits)
         problems += [Problem(one.line, one.reason + hint) for one in found]
@@ -145,11 +145,12 @@ def _other_controller(program: Program, limits: Limits) -> str:
     )
 
 
-def _machine(limits: Limits, rapid_mm_per_s: float | None) -> Machine:
-    acceleration = ACCELERATION_FACTOR * limits.a_max_mm_per_s2
-    # The planner must not hide a feed that is too high behind its own rapid speed.
-    rapid = rapid_mm_per_s or max(50.0, 10.0 * limits.v_max_mm_per_s)
-    return Machine(acceleration_mm_per_s2=acceleration, rapid_mm_per_s=rapid)
+def _machine(machine: Machine | None, limits: Limits, rapid_mm_per_s: float | None) -> Machine:
+    """The controller to judge with: the given one or that of `ACCELERATION_FACTOR`, at the stated rapid speed."""
+    machine = machine or Machine(acceleration_mm_per_s2=ACCELERATION_FACTOR * limits.a_max_mm_per_s2)
+    if rapid_mm_per_s is None:
+        return machine
+    return Machine(**{**machine.model_dump(), "rapid_mm_per_s": rapid_mm_per_s})
 
 
 def _unplayed(program: Program, rate_hz: float) -> str:

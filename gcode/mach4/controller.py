@@ -30,7 +30,7 @@ class Machine(SpecModel):
     acceleration_mm_per_s2 : float
         The axis' acceleration ("motor tuning" in Mach4).
     rapid_mm_per_s : float
-        Speed of G0 moves, and the most any move reaches.
+        Speed of G0 moves; other moves are as fast as their feeds.
     look_ahead_blocks : int
         Blocks the controller sees ahead; Mach4's default is 20.
     corner_mm_per_s : float

@@ -74,9 +74,9 @@ class Program:
         return np.diff(self.position_mm, prepend=self.start_mm)
 
     def blocks(self, rapid_mm_per_s: float) -> Blocks:
-        """The blocks to drive; none faster than `rapid_mm_per_s`."""
+        """The blocks to drive: rapid moves at `rapid_mm_per_s`, all others at their feeds."""
         length = self.length_mm
-        speed = np.minimum(self.feed_mm_per_s, rapid_mm_per_s)
+        speed = np.where(np.isinf(self.feed_mm_per_s), rapid_mm_per_s, self.feed_mm_per_s)
         return Blocks(length, np.where(length != 0, np.nan_to_num(speed), 0.0), self.dwell_s)
 
     def planned(self) -> Trajectory:

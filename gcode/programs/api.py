@@ -41,7 +41,7 @@ def generate(
         A preset (``"paper-1"``, ``"paper-2"``, ``"paper-3"``, ``"fast"``), a TOML file, or pieces:
         ``gcode.Hold(duration_s=5) + gcode.Noise(duration_s=600)``.
     seed : int
-        0 or more; other seeds give independent trajectories of the same statistics.
+        From 0 to 2^53 - 1; other seeds give independent trajectories of the same statistics.
     gauge_length_mm : float
         Length of the sample between the grips.
     duration_s : float, optional

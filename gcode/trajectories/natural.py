@@ -12,7 +12,7 @@ from gcode.motion.path import Frame, Path
 from gcode.motion.perlin import MAX_OCTAVES, perlin_signal, perlin_walk
 from gcode.support.errors import UserError
 from gcode.trajectories.protocol import RangedPiece
-from gcode.trajectories.quantities import Duration, Positive
+from gcode.trajectories.quantities import MAX_SAMPLES, Duration, Positive
 from gcode.trajectories.target import TOO_FAR, Target, tuned
 
 OCTAVE_SD = 0.242  # standard deviation of one octave of noise, mean of 40 runs of 23 min
@@ -20,6 +20,8 @@ OCTAVE_PEAK = 0.78  # what one octave reaches in about 23 min
 SOFT_FROM = 0.9  # noise beyond this part of the half range is bent smoothly, so that it never passes the end
 PACE_RATIO = 0.2  # the pace changes this much slower than the noise itself
 SPRINT_HALF_WIDTH_S = 2.0
+TELLING_SAMPLES = 100_000  # of noise say how much of it a run will need; a few seconds may be at rest by chance
+LONGEST_SOURCE = 20.0  # times the duration: noise so much slower than its least speed is no longer noise
 
 
 class Noise(RangedPiece):
@@ -83,12 +85,15 @@ class Noise(RangedPiece):
             If no motion within the limits and this strain range is as fast as asked, or the pace is too high for the
             sample rate.
         """
-        self._check_room(frame)
+        self.check_room(frame)
         shape = self if self.target is None else tuned(self, self.target, frame)
         return shape.executed_path(frame)
 
-    def _check_room(self, frame: Frame) -> None:
-        """No motion to and fro over a range L at no more than `a_max` has a mean speed above sqrt(a_max L) / 2."""
+    def check_room(self, frame: Frame) -> None:
+        """Refuse speeds that the strain range has no room for.
+
+        No motion to and fro over a range L at no more than `a_max` has a mean speed above sqrt(a_max L) / 2.
+        """
         range_mm = float(frame.mm(self.high_percent) - frame.mm(self.low_percent))
         fastest = min(0.5 * np.sqrt(frame.a_max_mm_per_s2 * range_mm), frame.v_max_mm_per_s)
         if self.target is not None and (1.0 - TOO_FAR) * self.target.v_mean_mm_per_s > fastest:
@@ -114,11 +119,20 @@ class Noise(RangedPiece):
             )
 
     def executed_path(self, frame: Frame) -> Path:
-        """The path with these very parameters, cut to its executed duration."""
+        """The path with these very parameters, cut to its executed duration.
+
+        Raises
+        ------
+        UserError
+            If the pace is too high for the sample rate, or the noise far too slow for its least speed.
+        """
         self._check_pace(self.cells_per_s, frame)
-        source_s, path = self.duration_s, None
-        while path is None or path.duration_s.sum() < self.duration_s:
+        source_s, path = 1.15 * self.duration_s, self._whole(1.15 * self.duration_s, frame)
+        while (executed_s := float(path.duration_s.sum())) < self.duration_s:
             # The minimum speed shortens the run, so the source is longer than asked for.
+            telling = source_s * frame.rate_hz > TELLING_SAMPLES
+            needed_s = source_s * self.duration_s / max(executed_s, 1e-300) if telling else 1.15 * source_s
+            self._check_source(needed_s, frame)
             source_s *= 1.15
             path = self._whole(source_s, frame)
         motion = drive_within(path, frame.v_max_mm_per_s, frame.a_max_mm_per_s2)
@@ -126,6 +140,16 @@ class Noise(RangedPiece):
         kept = max(int(np.searchsorted(motion.block_end_s, self.duration_s + 1e-9)), 1)
         last = int(segments[min(kept, len(segments)) - 1]) + 1
         return Path(path.position_mm[: last + 1], path.duration_s[:last])
+
+    def _check_source(self, needed_s: float, frame: Frame) -> None:
+        """Refuse a run that needs so much noise, or more; it is always more than what was too little."""
+        if needed_s > LONGEST_SOURCE * self.duration_s or needed_s * frame.rate_hz > MAX_SAMPLES:
+            raise UserError(
+                f"noise: at {self.cells_per_s:.3g} cells/s it is far slower than min_speed_mm_per_s = "
+                f"{self.min_speed_mm_per_s:.3g}, so that {self.duration_s:g} s of motion need {needed_s:.3g} s of "
+                f"noise or more (at most {LONGEST_SOURCE:g} times as long, and {MAX_SAMPLES} samples); lower "
+                "min_speed_mm_per_s, or raise cells_per_s or the strain range"
+            )
 
     def _whole(self, source_s: float, frame: Frame) -> Path:
         """The noise as a path, with points at the sample rate and the minimum speed applied."""

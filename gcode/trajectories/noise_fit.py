@@ -70,6 +70,8 @@ def fit(
             f"the wanted means, {target.v_mean_mm_per_s:g} mm/s and {target.a_mean_mm_per_s2:g} mm/s2"
         )
     base = Noise(duration_s=_TRIAL_S, low_percent=low_percent, high_percent=high_percent)
+    frame = Frame(gauge_length_mm, 0.0, target.rate_hz, (0, 0), limits.v_max_mm_per_s, limits.a_max_mm_per_s2)
+    base.model_copy(update={"target": target}).check_room(frame)
     tried = []
     for octaves, persistence in SHAPES:
         shape = base.model_copy(update={"octaves": octaves, "persistence": persistence})
@@ -117,13 +119,21 @@ def _fit_shape(shape: Noise, target: Target, limits: Limits, gauge_length_mm: fl
 
     start, low, high = _search_box(shape, target, gauge_length_mm)
     best = least_squares(
-        lambda free: np.mean([trial(noise_of(free), target, frame) for frame in frames], axis=0),
+        lambda free: np.mean([_deviations(noise_of(free), target, frame) for frame in frames], axis=0),
         start,
         bounds=(low, high),
         diff_step=0.02,
         max_nfev=8,
     )
     return noise_of(best.x), float(best.cost)
+
+
+def _deviations(noise: Noise, target: Target, frame: Frame) -> np.ndarray:
+    """Of a trial; noise that is far too slow to be executed is as far off as standing still."""
+    try:
+        return trial(noise, target, frame)
+    except UserError:
+        return np.full(len(NAMES), -1.0)
 
 
 def _search_box(shape: Noise, target: Target, gauge_length_mm: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

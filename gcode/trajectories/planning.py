@@ -10,9 +10,9 @@ from gcode.motion.limits import drive_within, sampled_positions
 from gcode.motion.path import Frame, Path, join, way
 from gcode.support.errors import UserError
 from gcode.trajectories.bounds import Limits, excesses
+from gcode.trajectories.quantities import LARGEST_SEED, MAX_SAMPLES
 from gcode.trajectories.trajectory import Trajectory, TrajectorySpec, position_decimals, sampled
 
-MAX_SAMPLES = 20_000_000
 MOST_STROKES = 2_000_000
 # Finite differences of rounded positions, and the executed motion's own deviations, need some room.
 _MARGINS = (0.95, 0.9, 0.8, 0.6)
@@ -28,7 +28,7 @@ def plan(spec: TrajectorySpec, seed: int, gauge_length_mm: float, *, reserve: fl
     spec : TrajectorySpec
         What is wanted; `gcode.trajectories.presets.preset(name)` has the paper's.
     seed : int
-        0 or more; other seeds give independent trajectories of the same statistics.
+        From 0 to 2^53 - 1; other seeds give independent trajectories of the same statistics.
     gauge_length_mm : float
         Length of the sample between the grips; strains are relative to it.
     reserve : float
@@ -91,8 +91,8 @@ def check_request(spec: TrajectorySpec, seed: int, gauge_length_mm: float) -> No
         came = f"{gauge_length_mm:g} mm" if is_length else repr(gauge_length_mm)
         allowed = f"{SHORTEST_GAUGE_MM:g} to {LONGEST_GAUGE_PLANNED_MM:g} mm"
         raise UserError(f"gauge length must be {allowed}, got {came}")
-    if not (isinstance(seed, Integral) and 0 <= seed < 2**63):
-        raise UserError(f"seed must be a whole number of 0 or more, got {seed!r}")
+    if not (isinstance(seed, Integral) and 0 <= seed <= LARGEST_SEED):
+        raise UserError(f"seed must be a whole number from 0 to {LARGEST_SEED}, got {seed!r}")
     _check_samples(sum(getattr(piece, "duration_s", 0.0) for piece in spec.pieces) * spec.rate_hz)
     strokes = sum(piece.strokes for piece in spec.pieces)
     if strokes > MOST_STROKES:

@@ -13,6 +13,8 @@ Duration = Annotated[float, Field(gt=0, le=48 * 3600, allow_inf_nan=False)]
 Rest = Annotated[float, Field(ge=0, le=48 * 3600, allow_inf_nan=False)]
 Percent = Annotated[float, Field(ge=-100, le=1000, allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=1, le=100_000)]
+MAX_SAMPLES = 20_000_000  # of a trajectory
+LARGEST_SEED = (1 << 53) - 1  # a header's numbers are read as floats, which are exact up to here
 
 
 class SpecModel(BaseModel):

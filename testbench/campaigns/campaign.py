@@ -58,6 +58,7 @@ def simulate_campaign(plan: Plan, folder: Path, motion: Motion, report: Report =
             raise UserError(
                 f"{folder}: nothing was kept, {status.message}; make room, or choose another place with -o"
             )
+        _check_accepted(folder, status)
     return status
 
 
@@ -83,7 +84,18 @@ def simulate_live(
     begun = Campaign(plan.gauge_length_mm, "simulated", manifest.IN_PROGRESS, plan.recipe(), {}, software_versions())
     write_manifest(folder, begun, [CSV, EVENTS, *plan.source_names()])
     intake = Intake(host_clock=pace is not in_memory)
-    return _fill(folder, plan, motion, report, pace(plan.rig(motion).lines()), intake, stopped)
+    status = _fill(folder, plan, motion, report, pace(plan.rig(motion).lines()), intake, stopped)
+    _check_accepted(folder, status)
+    return status
+
+
+def _check_accepted(folder: Path, status: Status) -> None:
+    """Refuse to call a run complete that has not a single sample."""
+    if status.state == "complete" and not status.samples:
+        raise UserError(
+            f"{folder}: none of the simulated rig's {status.rejected} lines was accepted, so that there is no "
+            "recording: the model, or an instrument, makes values that no device sends; check their parameters"
+        )
 
 
 def _fill(

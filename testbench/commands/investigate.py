@@ -17,7 +17,7 @@ EXAMPLE = (
 
 ASKED = {"max_force_n": "force_max_N", "repeat": "most"}  # other names than the public function's
 # What an investigation keeps as it began.
-AS_BEGUN = {"run_minutes", "fresh", "rest_s", *BOUNDS, *ASKED, "gauge_length_mm", "trials", "seed", "motion"}
+AS_BEGUN = {"model", "run_minutes", "fresh", "rest_s", *BOUNDS, *ASKED, "gauge_length_mm", "trials", "seed", "motion"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -46,7 +46,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--fresh", action="store_true", help="a fresh specimen for each run (default: one that ages)")
     parser.add_argument("--rest-s", type=rest, metavar="T", help="rest between runs (default 30)")
     add_bounds(parser)
-    parser.add_argument("--max-force-n", type=positive, metavar="F", help="no motion that may need more force")
+    parser.add_argument(
+        "--max-force-n",
+        type=positive,
+        metavar="F",
+        help="design no motion that a likely model expects more force of; a real recording stops there, and is then "
+        "planned anew with less strain",
+    )
     parser.add_argument("--gauge-length-mm", type=positive, metavar="L", help="default 25")
     parser.add_argument("--trials", type=count, metavar="N", help="motions a design weighs (default 24)")
     parser.add_argument("--seed", type=natural, metavar="N", help="of noise and random motion (default 1)")
@@ -120,4 +126,4 @@ def _asked(args: argparse.Namespace) -> dict[str, Any]:
     asked = {ASKED.get(name, name): said[name] for name in names}
     asked["bounds"] = bounds_of(args)
     asked["specimen"] = "fresh" if args.fresh else "aged"
-    return asked | {name: getattr(args, name) for name in ("port", "speed", "model", "effects")}
+    return asked | {name: getattr(args, name) for name in ("port", "speed", "effects")}

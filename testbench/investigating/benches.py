@@ -184,9 +184,10 @@ class PortBench:
         if status.state == "interrupted":
             raise KeyboardInterrupt
         if status.state != "complete":
+            anew = ": this run is planned anew then, with less strain" if status.state == "alarm" else ""
             raise UserError(
                 f"{order.folder}: the recording ended early ({status.state}{': ' if status.message else ''}"
-                f"{status.message}); continue the investigation with --resume when the rig is ready"
+                f"{status.message}); continue the investigation with --resume when the rig is ready{anew}"
             )
 
 

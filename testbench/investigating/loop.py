@@ -14,6 +14,7 @@ from gcode.support.files import make_folder
 from testbench.design.best_motion import best_motion
 from testbench.design.compositions import SURVEY, in_words, motion_of
 from testbench.design.protocols import NOISE, menu
+from testbench.investigating.alarms import after_alarm, is_alarmed, set_aside
 from testbench.investigating.belief import Belief, belief_after, doubted, over_specimens
 from testbench.investigating.benches import Bench, Order, now_s
 from testbench.investigating.state import (
@@ -63,8 +64,12 @@ class Watcher:
     stopped: Callable[[], bool] = lambda: False
 
 
-def begin(folder: Path, settings: Settings, sensor: str = "") -> Investigation:
+def begin(
+    folder: Path, settings: Settings, sensor: str = "", keep: Callable[[Path], None] = lambda folder: None
+) -> Investigation:
     """Make the folder of a new investigation.
+
+    `keep` writes what lies beside its state, and before it: a kill leaves no investigation that lacks it.
 
     Raises
     ------
@@ -76,7 +81,7 @@ def begin(folder: Path, settings: Settings, sensor: str = "") -> Investigation:
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise UserError(f"{folder}: exists and is not empty; choose another place with -o")
     investigation = Investigation(sensor=sensor, settings=settings)
-    make_folder(folder)
+    keep(make_folder(folder))
     save_investigation(folder, investigation)
     return investigation
 
@@ -115,10 +120,12 @@ class _Loop:
                     self._keep(self.state.model_copy(update={"ended": ending}))
                     break
                 self._plan()
-            elif not runs[-1].recorded:
-                self._record()
-            else:
+            elif runs[-1].recorded:
                 self._judge()
+            elif is_alarmed(run_folder(self.folder, len(runs))):
+                self._plan_anew()
+            else:
+                self._record()
         return self.state
 
     def _keep(self, state: Investigation) -> None:
@@ -164,6 +171,16 @@ class _Loop:
         made.write(program_folder(self.folder, number))
         run = RunState(words=words, seconds=made.trajectory.duration_s, expected_nats=expected, perlin_nats=perlin)
         self._keep(self.state.with_run(number - 1, run))
+
+    def _plan_anew(self) -> None:
+        """Take back the plan whose recording an alarm ended: the next one keeps what the force has allowed.
+
+        The state goes first: after a kill between the two the campaign is met, and set aside, once more.
+        """
+        run = run_folder(self.folder, len(self.state.runs))
+        settings = after_alarm(run, self.state.settings)
+        self._keep(self.state.model_copy(update={"settings": settings, "runs": self.state.runs[:-1]}))
+        self.watcher.tell(f"{run.name}: an alarm ended it; kept as {set_aside(run).name}, planned anew")
 
     def _survey(self) -> tuple[Made, str]:
         """A motion for a sensor of which nothing is known yet, and it in words."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -14,7 +15,7 @@ from testbench.design.forecast import Likely, Reading
 from testbench.design.protocols import Bounds, menu
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.measurements.responses import UNIT_OF
-from testbench.recordings.stored import GaugeLength, Label, Remark, checked_model
+from testbench.recordings.stored import GaugeLength, Label, Remark, Sha256, checked_model
 
 NAME = "investigation.json"
 FORMAT = "knitbench-investigation"
@@ -45,6 +46,12 @@ class Settings(StrictModel):
         ``perlin``: random motion all along, to compare with.
     rest_s : float
         Rest of an aged specimen before each run but the first.
+    effects_sha256 : str or None
+        Of the file with effects of the user's own.
+    own_effects : list of str or None
+        Their names, from a file or not; None: an older version kept none.
+    strain_allowed_percent : float or None
+        What the force has allowed so far, where it has passed its limit once; no motion goes beyond it.
     """
 
     bounds: dict[Label, Positive]
@@ -58,6 +65,9 @@ class Settings(StrictModel):
     effects_at_most: int = Field(1, ge=1, le=10)
     force_max_N: Positive | None = None
     gauge_length_mm: GaugeLength = 25.0
+    effects_sha256: Sha256 | None = None
+    own_effects: list[Label] | None = Field(None, max_length=1000)
+    strain_allowed_percent: Positive | None = None
 
     @field_validator("bounds")
     @classmethod
@@ -80,7 +90,9 @@ class Settings(StrictModel):
     @property
     def limits(self) -> Bounds:
         """As the design needs them."""
-        return Bounds(**{**self.bounds, "gauge_length_mm": self.gauge_length_mm})
+        asked = Bounds(**{**self.bounds, "gauge_length_mm": self.gauge_length_mm})
+        allowed = self.strain_allowed_percent or asked.strain_max_percent
+        return replace(asked, strain_max_percent=min(asked.strain_max_percent, allowed))
 
 
 class LikelyState(StrictModel):

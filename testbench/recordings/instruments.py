@@ -127,7 +127,7 @@ class Room(StrictModel):
     """The air around the bench, going up and down as a heating does, and a thermometer of 1/16 degree in it."""
 
     mean_C: float = 21.0
-    swing_C: float = Field(default=1.0, ge=0, description="amplitude")
+    swing_C: float = Field(default=1.0, ge=0, le=60, description="amplitude")
     period_s: float = Field(default=1800.0, gt=0)
     step_C: float = Field(default=1 / 16, gt=0)
 

@@ -12,8 +12,10 @@ from gcode.mach4.writer import write_program
 from gcode.programs.make import make
 from gcode.support.errors import UserError
 from gcode.trajectories.bounds import Limits
+from gcode.trajectories.designed import Triangle
 from gcode.trajectories.planning import plan
 from gcode.trajectories.presets import preset
+from gcode.trajectories.trajectory import TrajectorySpec
 
 LIMITS = Limits(v_max_mm_per_s=5, a_max_mm_per_s2=20, x_min_mm=0, x_max_mm=10)
 START = "G90 G21 G94 G64\n"
@@ -180,6 +182,24 @@ def test_a_stated_rapid_speed_is_judged_like_a_feed():
     slow = Limits(v_max_mm_per_s=5, a_max_mm_per_s2=1000)
     assert check_program(program, slow, rapid_mm_per_s=4.0).ok
     assert not check_program(program, slow, rapid_mm_per_s=6.0).ok
+
+
+def test_a_stated_rapid_speed_is_that_of_a_given_machine_too():
+    program = parse_program(START + "G0 X5\nM30\n")
+    machine = Machine(acceleration_mm_per_s2=1000.0)
+    result = check_program(program, Limits(v_max_mm_per_s=5, a_max_mm_per_s2=1000), 20, machine, rapid_mm_per_s=4.0)
+    assert result.statistics.v_max_mm_per_s == pytest.approx(4.0)
+
+
+def test_feeds_faster_than_a_rapid_move_are_one_motion_in_make_check_and_play():
+    limits = Limits(v_max_mm_per_s=100, a_max_mm_per_s2=500)
+    spec = TrajectorySpec.of(Triangle(high_percent=60, speed_mm_per_s=80, cycles=4), name="fastramp", limits=limits)
+    made = make(spec, 1, 200.0)
+    program = read_program(made.program)
+    checked = check_program(program, limits).statistics
+    for found in (made.statistics, checked, play(program).statistics()):
+        assert found.v_max_mm_per_s == pytest.approx(80, abs=0.1)
+        assert found.duration_s == pytest.approx(made.trajectory.duration_s, abs=0.3)
 
 
 def test_reading_a_faulty_program_names_the_first_fault():

@@ -5,10 +5,13 @@ from __future__ import annotations
 import pytest
 
 from gcode.cli import main
-from gcode.programs.make import make
+from gcode.mach4.reader import read_program
+from gcode.programs.make import make, make_again
 from gcode.support.errors import UserError
 from gcode.trajectories.designed import Hold, Ramp, RateSweep, Staircase, Triangle
+from gcode.trajectories.natural import Noise
 from gcode.trajectories.planning import plan
+from gcode.trajectories.presets import preset
 from gcode.trajectories.trajectory import TrajectorySpec
 from tests.fuzz.targets import SPEC
 
@@ -21,15 +24,61 @@ def program(tmp_path):
     return str(tmp_path / "p\x1b[31m.tap")
 
 
-@pytest.mark.parametrize("option", ["--a-max", "--machine-acceleration", "--rapid"])
+@pytest.mark.parametrize("option", ["--a-max", "--machine-acceleration"])
 def test_a_controller_that_never_arrives_is_refused(program, capsys, option):
     assert main(["check", program, *LIMITS, option, "1e-300"]) == 1
+    assert "not executed, since this controller would take" in capsys.readouterr().out
+
+
+def test_a_rapid_move_that_never_arrives_is_refused(tmp_path, capsys):
+    (tmp_path / "rapid.tap").write_text("G21 G90 G94\nG64\nG0 X1\nM30\n")
+    assert main(["check", str(tmp_path / "rapid.tap"), *LIMITS, "--rapid", "1e-300"]) == 1
     assert "not executed, since this controller would take" in capsys.readouterr().out
 
 
 def test_the_name_of_a_file_does_not_steer_the_terminal(program, capsys):
     assert main(["check", program, *LIMITS, "--v-max", "0.001"]) == 1
     assert "\x1b" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "--v-mean 0.9 --v-sd 0.6 --a-mean 1.4 --a-sd 1.3 --gauge-length-mm 0.025",
+        "--v-mean 1000 --v-sd 600 --a-mean 1500 --a-sd 1500",
+    ],
+)
+def test_a_fit_that_the_stroke_has_no_room_for_is_refused(words, capsys):
+    """They ran for minutes."""
+    assert main(["fit", *words.split()]) == 2
+    assert "noise: the target cannot be reached" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("duration_s", [60.0, 9000.0])
+def test_noise_that_is_far_slower_than_its_least_speed_is_refused(duration_s):
+    """It was made longer and longer, for ever."""
+    noise = Noise(duration_s=duration_s, cells_per_s=1e-5, min_speed_mm_per_s=3.0)
+    with pytest.raises(UserError, match="far slower than min_speed_mm_per_s = 3"):
+        plan(TrajectorySpec.of(noise, name="slow"), 1, 25.0)
+
+
+def test_a_piece_of_two_seconds_that_begins_at_rest_is_planned():
+    """Its first seconds of noise say nothing of how much it needs."""
+    fast = preset("fast")
+    piece = fast.pieces[0].model_copy(update={"duration_s": 2.0})
+    assert make(fast.model_copy(update={"pieces": (piece,)}), 0, 10.0).statistics.x_max_mm > 1
+
+
+@pytest.mark.parametrize("seed", [-1, 1 << 53, (1 << 53) + 1, 1 << 62])
+def test_a_seed_that_a_header_cannot_hold_is_refused(seed):
+    """It made a program that `gcode check` refused."""
+    with pytest.raises(UserError, match=f"seed must be a whole number from 0 to 9007199254740991, got {seed}"):
+        make(SPEC, seed, 25.0)
+
+
+def test_the_largest_seed_can_be_made_again():
+    made = make(SPEC, (1 << 53) - 1, 25.0)
+    assert make_again(read_program(made.program)).program == made.program
 
 
 @pytest.mark.parametrize("gauge_length_mm", [1e-300, 0.0, -1.0, 1e300, float("nan")])

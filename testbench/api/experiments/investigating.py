@@ -4,27 +4,39 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import Literal
 
 from gcode.support.errors import UserError
-from gcode.support.files import refuse_links, write_json
+from gcode.support.files import copy_file, refuse_links, sha256_of, write_json
 from gcode.support.kinds import path_of
 from gcode.support.strict import validated
 from testbench.api.arguments import AnyModel, Effects, catalogue_of, model_file_of, model_name
 from testbench.api.experiments.investigation import InvestigationResult
 from testbench.api.progress import Tell, telling
+from testbench.campaigns.plan import EFFECTS
 from testbench.investigating import loop
 from testbench.investigating.benches import Bench, PortBench, PtyBench, SimulatedBench
-from testbench.investigating.state import Investigation, Settings, go_on, load_investigation, run_folder
+from testbench.investigating.state import (
+    NAME,
+    Investigation,
+    Settings,
+    go_on,
+    load_investigation,
+    program_folder,
+    run_folder,
+)
 from testbench.investigating.words import run_words
-from testbench.knit.catalogue import Catalogue
+from testbench.knit.catalogue import Catalogue, load_catalogue
+from testbench.knit.model import KnitModel
 from testbench.rig.acquisition.recorder import Limits, Status
 from testbench.rig.connection.ports import stated_port
+from testbench.trust import named_effects
 
-SENSOR = "sensor.json"  # the simulated sensor, kept in the folder: who continues need not name it again
+# The simulated sensor and the model that something may be missing from: who continues need not name them again.
+SENSOR, START = "sensor.json", "start.json"
 
 
 def investigate(
@@ -89,13 +101,14 @@ def investigate(
     most : int
         Effects that a diagnosis puts in at most; the belief is about the one that is missing most.
     force_max_N : float, optional
-        No motion is designed that any likely hypothesis expects more force of; a real recording stops there.
+        No motion is designed that any likely hypothesis expects more force of; a real recording stops there, and
+        with `resume` its run is planned anew with less strain. Before the first run nothing is known of the force.
     gauge_length_mm : float
         Length of the unstretched sensor between the clamps.
     model : KnitModel, result or path, optional
-        The model that something may be missing from; default: the baseline.
+        The model that something may be missing from; default: the baseline. It is kept: None with `resume`.
     effects : path, Catalogue or effect classes, optional
-        The user's own effects.
+        The user's own effects; with `resume` the same again.
     progress : callable or bool, optional
         See `testbench.api.progress.telling`.
     after_run : callable, optional
@@ -122,13 +135,15 @@ def investigate(
     >>> len(found.state.runs)
     1
     """
-    folder, catalogue = path_of(folder, "folder"), catalogue_of(effects)
-    hidden = None if sensor is None else model_file_of(sensor, catalogue).model
-    own_effects = Path(effects) if isinstance(effects, str | Path) else None
+    folder = path_of(folder, "folder")
+    own_file = Path(effects) if isinstance(effects, str | Path) else None
     if resume:
-        if sensor is not None:
-            raise UserError(f"investigate: {folder} knows its sensor; to go on with it leave SENSOR out")
-        refuse_links(folder.glob("*"), "copy the folder and use the copy")
+        _check_as_begun(folder, sensor, model, own_file)
+    catalogue, there = catalogue_of(effects), folder.exists()
+    hidden = None if sensor is None else model_file_of(sensor, catalogue).model
+    start = None if model is None else model_file_of(model, catalogue).model
+    if resume:
+        _check_own_effects(folder, catalogue)
         go_on(folder, budget_minutes, sure)
     elif (hidden is None) == (port is None):
         raise UserError("investigate: give a SENSOR to simulate, or the port of a real rig")
@@ -145,28 +160,72 @@ def investigate(
             "effects_at_most": most,
             "force_max_N": force_max_N,
             "gauge_length_mm": gauge_length_mm,
+            "effects_sha256": sha256_of(own_file) if own_file else None,
+            "own_effects": _own_effects(catalogue),
         }
         settings = validated(asked, Settings, "investigate", "set of limits")
-        loop.begin(folder, settings, str(port) if sensor is None else model_name(sensor))
-        if hidden is not None:
-            write_json(folder / SENSOR, hidden.to_dict())
+        keep = partial(_keep_beside, models={SENSOR: hidden, START: start}, effects=own_file)
+        loop.begin(folder, settings, str(port) if sensor is None else model_name(sensor), keep)
     told = partial(_told, folder, after_run)
-    with _forgotten_unless_begun(folder, resume), telling(progress) as tell:
+    with _forgotten_unless_begun(folder, resume, there), telling(progress) as tell:
         state = load_investigation(folder)
-        bench = _bench(folder, port, speed, state, catalogue, own_effects)
-        start = None if model is None else model_file_of(model, catalogue).model
+        bench = _bench(folder, port, speed, state, catalogue, own_file)
+        start = model_file_of(folder / START, catalogue).model if (folder / START).is_file() else None
         watcher = loop.Watcher(tell or (lambda _text: None), told, status or (lambda _status: None), stopped)
         return InvestigationResult(loop.proceed(folder, bench, catalogue, start, watcher), folder)
 
 
+def _check_as_begun(folder: Path, sensor: AnyModel | None, model: AnyModel | None, own_file: Path | None) -> None:
+    """Refuse what an investigation that goes on would not heed, before a file of effects, a program, is loaded."""
+    for name, said in (("SENSOR", sensor), ("model", model)):
+        if said is not None:
+            raise UserError(f"investigate: {folder} goes on as it began, and knows its own; leave {name} out")
+    refuse_links(folder.glob("*"), "copy the folder and use the copy")
+    if sha256 := load_investigation(folder).settings.effects_sha256:
+        named_effects(folder, folder / EFFECTS, own_file, sha256)
+
+
+def _own_effects(catalogue: Catalogue) -> list[str]:
+    """Names of the effects that are the user's own."""
+    return sorted(set(catalogue.effects) - set(load_catalogue().effects))
+
+
+def _check_own_effects(folder: Path, catalogue: Catalogue) -> None:
+    """Refuse to go on with other effects than it began with: its belief would be about other hypotheses."""
+    begun, now = load_investigation(folder).settings.own_effects, _own_effects(catalogue)
+    if begun is not None and begun != now:
+        kept, got = (", ".join(names) or "none" for names in (begun, now))
+        raise UserError(
+            f"effects: {folder} goes on with the effects of your own that it began with ({kept}), got {got}; "
+            "give the same, or begin a new investigation"
+        )
+
+
+def _keep_beside(folder: Path, models: Mapping[str, KnitModel | None], effects: Path | None) -> None:
+    """Put into the folder what an investigation goes on with."""
+    for name, model in models.items():
+        if model is not None:
+            write_json(folder / name, model.to_dict())
+    if effects is not None:
+        copy_file(effects, folder / EFFECTS)
+
+
 @contextmanager
-def _forgotten_unless_begun(folder: Path, resumed: bool) -> Iterator[None]:
-    """Take a new investigation away that bad words end before anything was recorded: the right ones may begin it."""
+def _forgotten_unless_begun(folder: Path, resumed: bool, there: bool) -> Iterator[None]:
+    """Take a new investigation away that bad words end before anything was recorded: the right ones may begin it.
+
+    Only what was made goes: not a folder that was `there` before, nor what somebody else put into it.
+    """
     try:
         yield
     except UserError:
         if not resumed and not run_folder(folder, 1).exists():
-            shutil.rmtree(folder)
+            with suppress(OSError):  # what stays is less bad than a fault that nobody hears of
+                for name in (NAME, SENSOR, START, EFFECTS):
+                    (folder / name).unlink(missing_ok=True)
+                shutil.rmtree(program_folder(folder, 1), ignore_errors=True)
+                if not there:
+                    folder.rmdir()
         raise
 
 

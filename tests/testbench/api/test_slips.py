@@ -69,7 +69,7 @@ SLIPS = {
     ),
     "a seed as text, to plan": (
         lambda: gcode.generate("paper-1", seed="3", duration_s=20),
-        "seed must be a whole number of 0 or more, got '3'",
+        "seed must be a whole number from 0 to 9007199254740991, got '3'",
     ),
     "a feed mode that there is not": (
         lambda: gcode.generate("paper-1", seed=1, duration_s=20, feed_mode="G00"),

@@ -13,13 +13,14 @@ import pytest
 from gcode.support.errors import UserError
 from testbench import cli
 from testbench.api.arguments import recordings_for
-from testbench.campaigns.campaign import matches, simulate_campaign
+from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live
 from testbench.campaigns.clearing import vacant
 from testbench.campaigns.plan import plan_of, programs_before
 from testbench.campaigns.remake import Remade, made_again
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.knit.model import inputs
 from testbench.recordings.files import read_recording
+from testbench.recordings.instruments import Instruments, Room
 from testbench.recordings.manifest import problems, read_manifest, write_manifest
 from testbench.recordings.versions import software_versions
 from testbench.results.model_file import ModelFile, load_model_file
@@ -297,3 +298,18 @@ def test_a_campaign_with_own_effects_carries_them_and_asks_before_it_runs_them(t
     other.write_text(OWN_EFFECT.replace("0.1", "0.2"))
     assert cli.main([*words, "--effects", str(other)]) == 2
     assert "other.py: not the effects that" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("how", [simulate_campaign, simulate_live])
+def test_a_run_without_a_single_sample_is_not_complete(tmp_path, how):
+    """Its room is hotter than the digits of a line: all were refused, and it ended as if all were well."""
+    instruments = Instruments(room=Room(mean_C=1e7))
+    with pytest.raises(UserError, match=r"none of the simulated rig's \d+ lines was accepted"):
+        how(replace(plan(tmp_path), instruments=instruments), tmp_path / "hot", triangle())
+
+
+def test_a_room_swings_as_rooms_do(tmp_path, capsys):
+    words = ["run", "--sensor", "pes", "--program", str(program(tmp_path)), "-o", str(tmp_path / "c")]
+    assert cli.main([*words, "--room-swing-c", "1e6"]) == 2
+    assert re.search(r"swing_C: .* at most 60|swing_C: .*less than or equal to 60", capsys.readouterr().err)
+    assert not (tmp_path / "c").exists()

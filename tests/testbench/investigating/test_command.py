@@ -8,8 +8,11 @@ import pytest
 from matplotlib.figure import Figure
 
 import testbench as tb
+from gcode.support.errors import UserError
 from testbench.cli import main
+from testbench.investigating import loop
 from testbench.investigating.state import NAME
+from testbench.knit.catalogue import load_catalogue
 from tests.testbench.investigating.samples import SET, believed, hidden
 
 BRIEF = ["--run-minutes", "2", "--budget-minutes", "4", "--trials", "1", "--rest-s", "5", "--quiet"]
@@ -79,6 +82,7 @@ def test_the_result_shows_itself(tmp_path, monkeypatch):
         (["--resume", "--v-max", "9"], "--v-max: an investigation goes on as it began"),
         (["--resume", "--fresh"], "--fresh: an investigation goes on as it began"),
         (["pes", "--resume"], "leave SENSOR out"),
+        (["--resume", "--model", "pes"], "--model: an investigation goes on as it began"),
         (["--port", "/dev/knitbench-is-not-there"], "/dev/knitbench-is-not-there"),
         (["--port", "http://here"], "http://here"),
     ],
@@ -112,3 +116,92 @@ def test_a_folder_that_is_taken_and_a_damaged_state_are_refused(tmp_path, sensor
     assert "--resume" in capsys.readouterr().err
     assert main(["investigate", "--resume", "-o", str(folder)]) == 2
     assert "not valid JSON" in capsys.readouterr().err
+
+
+LAW = """
+from testbench.knit.effect import Effect, Stage, parameter
+
+class Mine(Effect):
+    name = "law_x"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "gain"
+    look = "nothing good"
+    gain: float = parameter(0.1, unit="1", low=-5, high=5, doc="how much")
+
+    def apply(self, signals, dt_s):
+        return {"force_N": signals["force_N"] * (1 + self.gain * signals["strain"])}
+"""
+
+
+@pytest.fixture
+def law(tmp_path) -> str:
+    """A file with an effect of somebody's own."""
+    path = tmp_path / "law_x.py"
+    path.write_text(LAW)
+    return str(path)
+
+
+@pytest.fixture
+def starts(monkeypatch) -> list:
+    """What each diagnosis starts from: the model, and whether the own effect is in the catalogue."""
+    believing, seen = believed(monkeypatch, 0.6, 0.6, 0.6, 0.6), []
+
+    def spied(measurement, runs, catalogue, start=None, most=1, tell=None):
+        seen.append((start and start.to_dict(), "law_x" in catalogue.effects))
+        return believing(measurement, runs, catalogue, start, most, tell)
+
+    monkeypatch.setattr(loop, "belief_after", spied)
+    return seen
+
+
+def test_it_goes_on_with_the_model_and_the_effects_that_it_began_with(tmp_path, sensor, law, starts, capsys):
+    folder = tmp_path / "i"
+    own = ["--model", sensor, "--effects", law, "--motion", "perlin"]
+    assert main(["investigate", sensor, "-o", str(folder), *BRIEF, *own]) == 1
+    on = ["investigate", "--resume", "-o", str(folder), "--quiet", "--budget-minutes", "6"]
+    assert main([*on, "--effects", str(folder / "effects.py")]) == 1
+    assert starts == [(hidden().to_dict(), True)] * 3
+    capsys.readouterr()
+    assert main(on) == 2
+    assert f"add --effects {folder / 'effects.py'}" in capsys.readouterr().err
+    other = tmp_path / "other.py"
+    other.write_text(LAW.replace("0.1", "0.2"))
+    assert main([*on, "--effects", str(other)]) == 2
+    assert "other.py: not the effects that" in capsys.readouterr().err
+
+
+def test_it_refuses_other_effects_in_python_and_another_model(tmp_path, law, starts):
+    own, folder = load_catalogue(law), tmp_path / "i"
+    brief = {"run_minutes": 2, "budget_minutes": 4, "rest_s": 5, "motion": "perlin", "progress": False}
+    on = {"folder": folder, "resume": True, "progress": False, "budget_minutes": 6}
+    tb.investigate(hidden(), folder, effects=own, **brief)
+    with pytest.raises(UserError, match=r"began with \(law_x\), got none; give the same"):
+        tb.investigate(**on)
+    with pytest.raises(UserError, match="leave model out"):
+        tb.investigate(**on, effects=own, model=hidden())
+    tb.investigate(**on, effects=own["law_x"])
+    assert starts == [(None, True)] * 3
+
+
+def test_one_of_an_older_version_goes_on(tmp_path, sensor, law, starts):
+    folder = tmp_path / "i"
+    assert main(["investigate", sensor, "-o", str(folder), *BRIEF, "--motion", "perlin"]) == 1
+    state = json.loads((folder / NAME).read_text())
+    for name in ("effects_sha256", "own_effects"):
+        del state["settings"][name]
+    (folder / NAME).write_text(json.dumps(state))
+    again = ["investigate", "--resume", "-o", str(folder), "--quiet", "--budget-minutes", "6", "--effects", law]
+    assert main(again) == 1
+    assert starts[-1] == (None, True)
+
+
+def test_bad_words_take_only_away_what_was_made(tmp_path, capsys):
+    """The folder was there before, and behind a link: the fault of the port is told, not one of the clearing."""
+    (tmp_path / "empty").mkdir()
+    link = tmp_path / "link"
+    link.symlink_to("empty")
+    assert main(["investigate", "--port", "/dev/knitbench-is-not-there", "-o", str(link)]) == 2
+    assert "/dev/knitbench-is-not-there" in capsys.readouterr().err
+    assert link.is_symlink()
+    assert list((tmp_path / "empty").iterdir()) == []
