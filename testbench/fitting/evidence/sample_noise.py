@@ -107,8 +107,8 @@ def _slopes(model: KnitModel, measurement: Measurement, modelled: Mapping[str, F
 def _noise_by_level(values: FloatArray, is_read: np.ndarray, least: float) -> FloatArray:
     """Standard deviation of the noise at each sample, from second differences among readings of its level.
 
-    Of three neighbours in the grid, all of which were read: a straight line over a gap has no noise. Where little moves
-    the readings of an instrument that rounds are all one, and yet no better than its rounding, `least`.
+    Of three neighbours in the grid, all of which were read: a straight line over a gap has no noise. Where little
+    moves, the readings of an instrument that rounds are all one, and yet no better than its rounding, `least`.
     """
     usable = within_range(values) & is_read
     three = usable[:-2] & usable[1:-1] & usable[2:]
