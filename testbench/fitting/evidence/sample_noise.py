@@ -21,6 +21,7 @@ from testbench.measurements.measurement import Measurement, channel_of, sampled
 from testbench.measurements.motion import reading_noise
 from testbench.measurements.noise_level import (
     FEWEST,
+    MAD_TO_SD,
     glitches,
     noise_floor,
     robust_sd,
@@ -29,6 +30,7 @@ from testbench.measurements.noise_level import (
     within_range,
 )
 
+ONE_STEP = 1.01 * MAD_TO_SD * np.sqrt(12 / 6)  # the estimate from second differences of one step, over the rounding
 LEVELS, MOST_NOISE = 10, 30.0  # levels whose noise is told apart; largest over typical noise
 FINEST = 3e-6  # of the spread of a reading: 20 bits free of noise, the best of converters; simulations may have none
 
@@ -108,7 +110,8 @@ def _noise_by_level(values: FloatArray, is_read: np.ndarray, least: float) -> Fl
     """Standard deviation of the noise at each sample, from second differences among readings of its level.
 
     Of three neighbours in the grid, all of which were read: a straight line over a gap has no noise. Where little
-    moves, the readings of an instrument that rounds are all one, and yet no better than its rounding, `least`.
+    moves, the readings of an instrument that rounds are all one, and yet no better than its rounding, `least`; where
+    more moves, half of the differences are one step, which says no more than that it rounds.
     """
     usable = within_range(values) & is_read
     three = usable[:-2] & usable[1:-1] & usable[2:]
@@ -123,5 +126,5 @@ def _noise_by_level(values: FloatArray, is_read: np.ndarray, least: float) -> Fl
             at.append(float(np.median(middle[inside])))
             sd.append(robust_sd(second[inside]))
     overall = max(robust_sd(second), least, 1e-12)
-    lowest = max(0.2 * overall, least)
-    return np.interp(values, at, np.maximum(sd, lowest)) if at else np.full(len(values), overall)
+    told = np.where(np.array(sd) <= ONE_STEP * least, least, np.maximum(sd, 0.2 * overall))
+    return np.interp(values, at, told) if at else np.full(len(values), overall)

@@ -32,3 +32,14 @@ def test_readings_that_are_all_far_apart_are_alike():
     measurement = telling(prepare(sparse))
     judged = likelihood_of(truth(), measurement, noise_of(measurement))
     assert all(np.all(np.isfinite(weight)) for weight in judged.weight.values())
+
+
+def test_an_instrument_that_rounds_is_as_good_as_its_rounding_at_every_level():
+    """Where little moves no two readings differ; where much moves many do, by one step."""
+    whole = record(truth(), 180.0, channels=("force_N",), noise=0.0)
+    step_N = 0.04
+    rounded = step_N * np.round(whole["force_N"] / step_N)
+    measurement = telling(prepare(replace(whole, channels={**whole.channels, "force_N": rounded})))
+    judged = likelihood_of(truth(), measurement, noise_of(measurement))
+    noise_N = judged.floor["force"] / judged.weight["force"]
+    assert np.quantile(noise_N, [0.05, 0.5, 0.8]) == pytest.approx(step_N / 12**0.5, rel=0.35)
