@@ -16,12 +16,12 @@ from testbench.fitting import constants
 from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.fitting.evidence.telling import independent_share
 from testbench.knit.effect import FloatArray
+from testbench.knit.kinematics.jumps import MAD_TO_SD
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement, channel_of, sampled
 from testbench.measurements.motion import reading_noise
 from testbench.measurements.noise_level import (
     FEWEST,
-    MAD_TO_SD,
     glitches,
     noise_floor,
     robust_sd,
