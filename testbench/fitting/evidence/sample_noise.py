@@ -126,5 +126,5 @@ def _noise_by_level(values: FloatArray, is_read: np.ndarray, least: float) -> Fl
             at.append(float(np.median(middle[inside])))
             sd.append(robust_sd(second[inside]))
     overall = max(robust_sd(second), least, 1e-12)
-    told = np.where(np.array(sd) <= ONE_STEP * least, least, np.maximum(sd, 0.2 * overall))
-    return np.interp(values, at, told) if at else np.full(len(values), overall)
+    told = np.where(np.array(sd) <= ONE_STEP * least, least, sd)
+    return np.interp(values, at, np.maximum(told, 0.2 * overall)) if at else np.full(len(values), overall)

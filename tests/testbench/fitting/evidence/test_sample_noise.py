@@ -34,6 +34,15 @@ def test_readings_that_are_all_far_apart_are_alike():
     assert all(np.all(np.isfinite(weight)) for weight in judged.weight.values())
 
 
+def test_readings_without_noise_at_some_levels_are_weighed_all_the_same():
+    whole = record(truth(), 180.0, channels=("force_N",))
+    top_N = float(np.quantile(whole["force_N"], 0.3))
+    smooth = np.where(whole["force_N"] > top_N, whole["force_N"], top_N - 1e-3 * (whole.time_s / 180.0))
+    measurement = telling(prepare(replace(whole, channels={**whole.channels, "force_N": smooth})))
+    judged = likelihood_of(truth(), measurement, noise_of(measurement))
+    assert np.all(np.isfinite(judged.weight["force"]))
+
+
 def test_an_instrument_that_rounds_is_as_good_as_its_rounding_at_every_level():
     """Where little moves no two readings differ; where much moves many do, by one step."""
     whole = record(truth(), 180.0, channels=("force_N",), noise=0.0)
