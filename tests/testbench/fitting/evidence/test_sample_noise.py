@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from testbench.fitting.evidence.sample_noise import likelihood_of, noise_of
+from testbench.fitting.evidence.sample_noise import _noise_by_level, likelihood_of, noise_of
 from testbench.fitting.evidence.telling import telling
 from testbench.measurements.preparing import prepare
 from tests.testbench.builders import NOISE_N, record, truth
@@ -34,13 +34,10 @@ def test_readings_that_are_all_far_apart_are_alike():
     assert all(np.all(np.isfinite(weight)) for weight in judged.weight.values())
 
 
-def test_readings_without_noise_at_some_levels_are_weighed_all_the_same():
-    whole = record(truth(), 180.0, channels=("force_N",))
-    top_N = float(np.quantile(whole["force_N"], 0.3))
-    smooth = np.where(whole["force_N"] > top_N, whole["force_N"], top_N - 1e-3 * (whole.time_s / 180.0))
-    measurement = telling(prepare(replace(whole, channels={**whole.channels, "force_N": smooth})))
-    judged = likelihood_of(truth(), measurement, noise_of(measurement))
-    assert np.all(np.isfinite(judged.weight["force"]))
+def test_noise_is_never_nothing():
+    """Where most readings are one, and no rounding is known."""
+    values = np.r_[np.linspace(0.0, 1.0, 60), np.full(400, 1.0), 1.0 + np.random.default_rng(0).random(60)]
+    assert np.all(_noise_by_level(values, np.ones(len(values), bool), 0.0) > 0)
 
 
 def test_an_instrument_that_rounds_is_as_good_as_its_rounding_at_every_level():
