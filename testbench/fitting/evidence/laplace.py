@@ -176,6 +176,8 @@ class _PosteriorFit:
             before, self.sigma = self.sigma, rms(self.columns, robust, self.likelihood.least)
             if all(abs(np.log(self.sigma[c] / before[c])) < AGREED for c in before):
                 break
+        for rows in self.columns.values():
+            rows[[index + 1 for index in self.jumping]] = 0.0  # a derivative says nothing there
         normal = with_widths(self.all_normal(robust), self.widths(), self.sigma)
         there = maximised(laws_still(pinned(normal, held)), self.sigma, scale=self.scale, iterations=1)
         evidence = replace(there, sigma=self.sigma, scale=self.scale)

@@ -12,6 +12,7 @@ from testbench.knit.effect import FloatArray
 
 Cost = Callable[[FloatArray], float]
 STEPS = 1e-4 * 4.0 ** np.arange(8)  # in the fit's coordinate: from far below a sample of the grid to a factor of five
+LEAST = 1e-9  # where the model is not finite beside, and the cost without bounds
 WORSE = 0.5  # nats by which the cost rises one standard deviation away from its least
 
 
@@ -43,15 +44,13 @@ def _one_side(rise: FloatArray) -> float:
         return float(STEPS[-1])
     first = int(beyond[0])
     nearer = float(STEPS[first - 1]) if first else 0.0
-    return max(float(STEPS[first]) * WORSE / float(rise[first]), nearer)
+    return max(float(STEPS[first]) * WORSE / float(rise[first]), nearer, LEAST)
 
 
 def with_widths(normal: NormalEquations, widths: Mapping[int, float], sigma: Mapping[str, float]) -> NormalEquations:
-    """The normal equations in which these coefficients are known by their widths, whatever the others are."""
-    products = {c: gram.copy() for c, gram in normal.products.items()}
+    """The normal equations in which these coefficients, whose columns are zero, are known by their widths."""
     first, information = next(iter(normal.information(sigma).items()))
+    gram = normal.products[first].copy()
     for index, known in widths.items():
-        for gram in products.values():
-            gram[index + 1, :] = gram[:, index + 1] = 0.0
-        products[first][index + 1, index + 1] = known**-2.0 / information
-    return replace(normal, products=products)
+        gram[index + 1, index + 1] = known**-2.0 / information
+    return replace(normal, products={**normal.products, first: gram})

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.special import logsumexp
 
+from testbench.diagnosis.judging.discrepancy_map import mapped
 from testbench.fitting.evidence.laplace import fitted
 from testbench.fitting.evidence.moved import STEPS, width
 from testbench.fitting.evidence.priors import declared
@@ -46,6 +47,14 @@ def test_the_evidence_is_the_integral_over_the_moment():
     held = np.array([fit_from(float(np.exp(x)), is_free=False).log_z for x in moments])
     prior = -0.5 * ((moments - mean) / sd) ** 2 - np.log(sd * np.sqrt(2 * np.pi))
     assert h.log_z == pytest.approx(logsumexp(held + prior + np.log(2.5e-4)), abs=2.0)
+
+
+def test_a_map_of_the_past_can_be_laid_beside_it():
+    """What is no derivative must not be one when columns are added: the matrix would have no root."""
+    h = fit_from(SLIP_S)
+    index = [p.address for p in h.priors.parameters].index("clamp_slip_once.when_s")
+    assert not any(rows[index + 1].any() for rows in h.columns.values())
+    assert np.isfinite(mapped(h, problem()).log_z)
 
 
 def test_the_width_is_where_the_cost_has_risen_by_a_half():
