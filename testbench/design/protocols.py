@@ -81,14 +81,8 @@ class Bounds:
         return min(self.stroke_mm / stroke_s, self.fast_mm_per_s)
 
 
-def menu(bounds: Bounds, share: float = 1.0) -> dict[str, TrajectorySpec]:
+def menu(bounds: Bounds) -> dict[str, TrajectorySpec]:
     """Every designed protocol by name, each about as long as `bounds` says, the plain noise first.
-
-    Parameters
-    ----------
-    bounds : Bounds
-    share : float
-        Design for this share of the allowed speed and acceleration: some motions need room to be executed within.
 
     Raises
     ------
@@ -97,8 +91,7 @@ def menu(bounds: Bounds, share: float = 1.0) -> dict[str, TrajectorySpec]:
         less than two steps of the plan, or there and back more than the whole run.
     """
     _check(bounds)
-    eased = _eased(bounds, share)
-    return {name: spec_of(name, pieces(eased), bounds) for name, pieces in MENU.items()}
+    return {name: spec_of(name, pieces(bounds), bounds) for name, pieces in MENU.items()}
 
 
 def drivable(bounds: Bounds, seed: int) -> dict[str, Made]:
@@ -123,8 +116,12 @@ def drivable(bounds: Bounds, seed: int) -> dict[str, Made]:
 
 
 def _in_time(name: str, bounds: Bounds, share: float, seed: int) -> Made | None:
-    """The program of a protocol, designed for less time as long as it takes more than it may."""
-    eased = _eased(bounds, share)
+    """The program of a protocol, for a share of the limits, designed for less time as long as it takes too long."""
+    eased = replace(
+        bounds,
+        v_max_mm_per_s=share * bounds.v_max_mm_per_s,
+        a_max_mm_per_s2=share * bounds.a_max_mm_per_s2,
+    )
     for _ in range(_DESIGNS):
         made = make(spec_of(name, MENU[name](eased), bounds), seed, bounds.gauge_length_mm)
         over_s = made.trajectory.duration_s - bounds.duration_s
@@ -132,14 +129,6 @@ def _in_time(name: str, bounds: Bounds, share: float, seed: int) -> Made | None:
             return made
         eased = replace(eased, duration_s=eased.duration_s - over_s - 1 / RATE_HZ)
     return None
-
-
-def _eased(bounds: Bounds, share: float) -> Bounds:
-    return replace(
-        bounds,
-        v_max_mm_per_s=share * bounds.v_max_mm_per_s,
-        a_max_mm_per_s2=share * bounds.a_max_mm_per_s2,
-    )
 
 
 def _check(bounds: Bounds) -> None:

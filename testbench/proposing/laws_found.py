@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 from testbench.knit.effect import FloatArray
+from testbench.knit.effect_names import check_name
 from testbench.measurements.measurement import Measurement
 from testbench.proposing.grids import Grid
 from testbench.proposing.laws.law import Law
@@ -101,3 +102,15 @@ class Proposed:
 def numbered(name: str, index: int) -> str:
     """Name of law number `index` from 0: the first has the plain name, the others a number behind it."""
     return name if index == 0 else f"{name}_{index + 1}"
+
+
+def check_names(name: str, source: str, taken: Collection[str], most: int) -> None:
+    """Refuse names that the laws, at most so many, cannot have; see `testbench.knit.effect_names.check_name`.
+
+    Raises
+    ------
+    UserError
+        With `source` in front.
+    """
+    for index in range(most):
+        check_name(numbered(name, index), source, taken)

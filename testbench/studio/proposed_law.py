@@ -146,9 +146,9 @@ def propose_command(studio: Studio, c: str, name: str, most: int) -> tuple[str, 
     UserError
         If `name` is no name for an effect, or is taken.
     """
-    from testbench.knit.effect_names import check_name
+    from testbench.proposing.laws_found import check_names
 
-    check_name(name, f"{name or 'name'}.py", studio.catalogue().effects)
+    check_names(name, f"{name or 'name'}.py", studio.catalogue().effects, most)
     folder = folder_of(studio, c)
     shutil.rmtree(folder, ignore_errors=True)
     make_folder(folder)

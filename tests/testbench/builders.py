@@ -13,6 +13,22 @@ from testbench.recordings.recording import Recording
 
 GAUGE_LENGTH_MM = 25.0
 NOISE_N, NOISE_LN = 0.01, 0.003
+OWN_EFFECT = """
+import numpy as np
+from testbench.knit.effect import Effect, Stage, parameter
+
+class Mine(Effect):
+    name = "{name}"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "gain"
+    look = "nothing good"
+    gain: float = parameter(0.1, unit="1", low=-5, high=5, doc="how much")
+
+    def apply(self, signals, dt_s):
+        force = signals["force_N"] * (1 + self.gain * signals["strain"])
+        {body}
+"""
 CATALOGUE: Catalogue = load_catalogue()
 
 
@@ -59,6 +75,11 @@ def record(
     if "resistance_ohm" in channels:
         made["resistance_ohm"] = np.exp(noise * NOISE_LN * rng.standard_normal(len(t))) / state["conductance_S"]
     return Recording(t, made, GAUGE_LENGTH_MM, f"sample-{seed}")
+
+
+def own_effect(name: str, body: str = "return {'force_N': force}") -> str:
+    """The text of a file with an effect of somebody's own."""
+    return OWN_EFFECT.replace("{name}", name).replace("{body}", body)
 
 
 def write_csv(recording: Recording, path: Path) -> str:

@@ -15,24 +15,8 @@ from testbench.knit.catalogue import load_catalogue
 from testbench.knit.model import inputs
 from testbench.measurements.preparing import prepare
 from testbench.results.model_file import ModelFile
-from tests.testbench.builders import motion, record, truth, write_csv
+from tests.testbench.builders import motion, own_effect, record, truth, write_csv
 
-EFFECT = """
-import numpy as np
-from testbench.knit.effect import Effect, Stage, parameter
-
-class Mine(Effect):
-    name = "mine"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
-    strength = "gain"
-    look = "nothing good"
-    gain: float = parameter(0.1, unit="1", low=-5, high=5, doc="how much")
-
-    def apply(self, signals, dt_s):
-        force = signals["force_N"] * (1 + self.gain * signals["strain"])
-        {body}
-"""
 BAD = {
     "force[7] = np.nan; return {'force_N': force}": "returned force_N with 1 values that are not finite",
     "return {'force_N': force[:5]}": r"returned force_N of shape \(5,\)",
@@ -63,7 +47,7 @@ def csv(tmp_path):
 def misbehaving(folder: Path, body: str) -> Path:
     """A user's file with an effect that ends so."""
     path = folder / "mine.py"
-    path.write_text(EFFECT.replace("{body}", body))
+    path.write_text(own_effect("mine", body))
     return path
 
 

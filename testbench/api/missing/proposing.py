@@ -17,10 +17,8 @@ from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, mod
 from testbench.api.models.model_result import ModelResult
 from testbench.api.models.overlay import plot_overlay
 from testbench.api.progress import Tell, telling
-from testbench.knit.catalogue import Catalogue
-from testbench.knit.effect_names import check_name
 from testbench.proposing.laws.formulas import in_words
-from testbench.proposing.laws_found import Proposed, numbered
+from testbench.proposing.laws_found import Proposed, check_names
 from testbench.proposing.proposal import MOST_LAWS
 from testbench.proposing.words import as_json, first_line, proposal_text, story
 from testbench.proposing.writing import file_text, free_path
@@ -188,7 +186,7 @@ def propose(
     """
     most = whole("most: laws to find", most, 1)
     catalogue = catalogue_of(effects)
-    _check_names(name, f"{name}.py", catalogue, most)
+    check_names(name, f"{name}.py", catalogue.effects, most)
     file = None if model is None else model_file_of(model, catalogue)
     first, held, _ = recordings_for(model, file, recording, held_out, gauge_length_mm)
     with telling(progress) as tell:
@@ -222,11 +220,5 @@ def check_effect_file(
     drawn = free_path(picture or effect.with_suffix(".png"))
     check_place(effect)
     check_place(drawn, "--plot")
-    _check_names(effect.stem, str(effect), catalogue_of(effects), most)
+    check_names(effect.stem, str(effect), catalogue_of(effects).effects, most)
     return effect, drawn
-
-
-def _check_names(name: str, source: str, catalogue: Catalogue, most: int) -> None:
-    """The names of all laws that may be found must be free."""
-    for k in range(most):
-        check_name(numbered(name, k), source, catalogue.effects)

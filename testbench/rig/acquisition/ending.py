@@ -32,8 +32,8 @@ class Way:
     since_us: float | None = None
     _at_nm: int | None = None
 
-    def follow(self, time_us: int, displacement_nm: int) -> None:
-        """See where the stage is now."""
+    def follow(self, time_us: int, displacement_nm: int) -> float:
+        """See where the stage is now; returns for how long it has stood, in microseconds."""
         if self._at_nm is None:
             self._at_nm = displacement_nm
         step_nm = abs(displacement_nm - self._at_nm)
@@ -43,6 +43,7 @@ class Way:
             self.done_nm, self._at_nm, self.since_us = self.done_nm + step_nm, displacement_nm, time_us
         elif self.since_us is None:
             self.since_us = time_us
+        return time_us - self.since_us
 
     def unseen(self) -> None:
         """Nobody saw the stage for a while: it stands from the next row on, if it stands."""
@@ -98,13 +99,12 @@ class EndOfMotion:
     def __call__(self, row: Row) -> bool:
         """Whether the recording is over with this row."""
         time_us, displacement_nm = row.time_us, row.sample.displacement_nm
-        self.watch(time_us, displacement_nm)
+        stands_us = self.watch(time_us, displacement_nm)
         over_us = time_us - self._end_us
         if over_us < 0:
             return False
         if over_us >= (LONGEST_TIMES - 1) * self.duration_s * 1e6:
             return True
-        stands_us = time_us - (time_us if self._way.since_us is None else self._way.since_us)
         a_rest_s = 0.0 if self._has_arrived(displacement_nm) else LONGEST_TIMES * self.longest_rest_s
         return stands_us >= (TAIL_S + a_rest_s) * 1e6
 
@@ -118,15 +118,16 @@ class EndOfMotion:
         """Whether the stage has not moved yet."""
         return not np.isfinite(self._end_us)
 
-    def watch(self, time_us: int, displacement_nm: int) -> None:
-        """See where the stage is now; at its first movement the planned duration begins."""
-        self._way.follow(time_us, displacement_nm)
+    def watch(self, time_us: int, displacement_nm: int) -> float:
+        """See where the stage is now; at its first movement the planned duration begins. Returns as `Way.follow`."""
+        stands_us = self._way.follow(time_us, displacement_nm)
         if self._start_nm is None:
             self._start_nm = displacement_nm
             if not np.isfinite(self.first_move_s):
                 self._end_us = time_us + (self.duration_s + TAIL_S) * 1e6
         elif self.waiting and abs(displacement_nm - self._start_nm) > MOVED_MM * 1e6:
             self._end_us = time_us + (self.duration_s - self.first_move_s + TAIL_S) * 1e6
+        return stands_us
 
     def unseen(self) -> None:
         """Nobody saw the stage for a while, as where an interrupted recording goes on."""

@@ -13,6 +13,7 @@ from testbench.cli import main
 from testbench.investigating import loop
 from testbench.investigating.state import NAME
 from testbench.knit.catalogue import load_catalogue
+from tests.testbench.builders import own_effect
 from tests.testbench.investigating.samples import SET, believed, hidden
 
 BRIEF = ["--run-minutes", "2", "--budget-minutes", "4", "--trials", "1", "--rest-s", "5", "--quiet"]
@@ -118,20 +119,7 @@ def test_a_folder_that_is_taken_and_a_damaged_state_are_refused(tmp_path, sensor
     assert "not valid JSON" in capsys.readouterr().err
 
 
-LAW = """
-from testbench.knit.effect import Effect, Stage, parameter
-
-class Mine(Effect):
-    name = "law_x"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
-    strength = "gain"
-    look = "nothing good"
-    gain: float = parameter(0.1, unit="1", low=-5, high=5, doc="how much")
-
-    def apply(self, signals, dt_s):
-        return {"force_N": signals["force_N"] * (1 + self.gain * signals["strain"])}
-"""
+LAW = own_effect("law_x")
 
 
 @pytest.fixture
