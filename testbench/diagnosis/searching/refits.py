@@ -13,6 +13,7 @@ from testbench.diagnosis.judging.entries import Entry, Proposal
 from testbench.diagnosis.judging.order import best_first, evidence_of, first_of_each
 from testbench.diagnosis.searching.candidates import can_act, is_vector
 from testbench.diagnosis.searching.fits import Fits, law_names, like_another, newest
+from testbench.diagnosis.searching.rivals import rivals_of
 from testbench.diagnosis.searching.starts import best_start
 from testbench.fitting import constants
 from testbench.fitting.baseline import framed, without_shapes
@@ -151,6 +152,18 @@ class Refits:
             return Entry(best.mechanism, law.name, newest(model, best.base), h, h.log_z)
 
         return self.pool.map(entry, [law for law in as_strong if can_act(law, state)])
+
+    def rivals(self, e: Entry) -> list[Entry]:
+        """Laws of other mechanisms that could do what a law does, in its place and refitted quickly.
+
+        Where they were refitted before, they may have met a worse base.
+        """
+        proposals = tuple(rivals_of(e, self.fits))
+        here = fitted(e.base, self.compared, self.fits.reference, e.hypothesis, iterations=0)
+        null = NullModel(here, here, proposals)
+        likely = promising([null])[: constants.BENDING]
+        own = [[p for p in proposals if p.mechanism == m][: constants.SETTLED_LAWS] for m in likely]
+        return self.entered([(null, p) for p in itertools.chain(*own)])
 
     def best_of_each(self, entries: Sequence[Entry]) -> list[Entry]:
         """The best law of each mechanism, and some more of the best two, refitted in full; the best first.

@@ -188,10 +188,21 @@ class Search(Fits):
         return Proposal(law.mechanism, effect.name, effect, gain, np.zeros(0), there.model)
 
     def all_judged(self, entries: Sequence[Entry], likelihood: Likelihood) -> list[Entry]:
-        """The best first, which is carried to its end: a map may stand in for what a fit has not reached yet."""
-        found = best_first(self.pool.map(lambda e: self.judged(e, likelihood), entries))
-        while found and not found[0].is_settled:
-            found = best_first([self.judged(self.refits.settled(found[0]), likelihood), *found[1:]])
+        """The best first, which is carried to its end and has met its rivals where it stands.
+
+        A map may stand in for what a fit has not reached yet; or a fit, on its way to an end without a map, leaves
+        where it is best with one.
+        """
+        found, met = best_first(self.pool.map(lambda e: self.judged(e, likelihood), entries)), set()
+        while found and not (found[0].is_settled and found[0].mechanism in met):
+            best, *others = found
+            if best.is_settled:
+                met.add(best.mechanism)
+                tried = self.refits.rivals(best)
+            else:
+                tried, best = [self.refits.settled(best)], replace(best, is_settled=True)
+            judged = self.pool.map(lambda e: self.judged(e, likelihood), tried)
+            found = first_of_each(best_first([best, *others, *judged]), lambda e: e.law)
         return found
 
     def judged(self, e: Entry, likelihood: Likelihood) -> Entry:

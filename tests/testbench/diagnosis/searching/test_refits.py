@@ -82,3 +82,15 @@ def test_the_best_law_is_tried_on_each_stiff_base_of_other_laws():
     model = moved.hypothesis.model
     assert model["elasticity"].name == "elasticity_gent"
     assert {"self_heating", "elasticity_shape"} <= set(model)
+
+
+def test_a_rival_takes_the_place_of_a_law_whose_trace_it_leaves_and_not_of_what_else_is_missing():
+    two_times = {"fraction": 0.2, "fast_s": 3.0, "slow_s": 30.0, "share": 0.6}
+    heat = CATALOGUE["self_heating"](coefficient=0.2)
+    sensor = truth().plus(CATALOGUE["stress_relaxation_two_times"](**two_times)).plus(heat)
+    fits = fits_of(sensor, ("force_N", "resistance_ohm"))
+    creep = CATALOGUE["load_cell_creep_two_times"](**two_times | {"fraction": -0.2})
+    put_in = entry(fits, fits.start, creep)
+    found = {e.law: e for e in Refits(fits).rivals(put_in)}
+    assert "self_heating" not in {e.mechanism for e in found.values()}
+    assert found["stress_relaxation_two_times"].log_z > put_in.log_z
