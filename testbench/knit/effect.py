@@ -20,7 +20,8 @@ READOUT     what the instruments make of it                                ``for
 =========== ============================================================== =========================
 
 Always there to be read: ``time_s`` and ``strain_nominal`` (displacement / gauge length). ``temperature_C`` is there
-only where it was measured: it belongs into `optional_reads`.
+only where it was measured, ``clamping`` (how often the knit was clamped anew) only where it was: they belong into
+`optional_reads`.
 """
 
 from __future__ import annotations
@@ -119,7 +120,7 @@ class Effect(BaseModel):
     look : str
         What a person sees in the data when this effect is there, in one plain sentence.
     optional_reads : tuple of str
-        Signals used where present (``temperature_C``).
+        Signals used where present (``temperature_C``, ``clamping``).
     nonlinear : bool
         The response has a threshold (a gap, a clipping level), so a small strength says little about a large one:
         try a grid of magnitudes instead of a finite difference at zero.

@@ -55,6 +55,8 @@ def joined(recordings: Sequence[Recording], rests_s: Sequence[float], clamp_play
     measured = {c: _read([p.measured[c] for p in parts], gaps) for c in channels}
     counts = np.concatenate([np.r_[np.zeros(gap, bool), p.counts] for gap, p in zip(gaps, parts, strict=True)])
     signals = inputs(np.arange(len(strain)) / rate_hz, strain, temperature)
+    if clamp_play_mm:
+        signals["clamping"] = np.searchsorted(starts[1:], np.arange(len(strain)), side="right").astype(float)
     whole = _one_recording(recordings, starts / rate_hz, [p.start_s for p in parts])
     noise = _chained([p.strain_noise for p in parts], gaps)
     averaged = float(np.mean([p.averaged for p in parts]))

@@ -18,10 +18,26 @@ NEVER_S = 1e5
 
 
 class ClampSlipLaw(Lengthening):
-    """Base of the laws of slip in the clamps."""
+    """Base of the laws of slip in the clamps.
+
+    Where the knit was clamped anew it has not slipped yet: what it had is in the new zero of the displacement.
+    """
 
     mechanism = "clamp_slip"
     strength = "amount"
+    optional_reads = ("clamping",)
+
+    def slipped(self, signals: Signals, dt_s: float) -> FloatArray:
+        """Length slipped so far in one clamping, as strain, shape (n,)."""
+        raise NotImplementedError
+
+    def added(self, signals: Signals, dt_s: float) -> FloatArray:
+        """Of all clampings in turn, shape (n,)."""
+        clamping = signals.get("clamping", np.zeros(len(signals["strain"])))
+        begins = np.flatnonzero(np.diff(clamping, prepend=np.nan))
+        parts = [slice(begin, end) for begin, end in itertools.pairwise((*begins, len(clamping)))]
+        first, *others = [self.slipped({name: signals[name][part] for name in self.reads}, dt_s) for part in parts]
+        return np.concatenate([first, *(one - one[0] for one in others)])
 
 
 class ClampSlip(ClampSlipLaw):
@@ -42,7 +58,7 @@ class ClampSlip(ClampSlipLaw):
     limit: float = parameter(0.2, unit="1", low=0.01, high=2, scale="log", doc="strain that the grip just holds")
     step: float = parameter(0.04, unit="1", low=0.005, high=0.5, scale="log", doc="strain between two slips")
 
-    def added(self, signals: Signals, dt_s: float) -> FloatArray:
+    def slipped(self, signals: Signals, dt_s: float) -> FloatArray:
         from testbench.knit.kernels import running_max
 
         steps = np.floor((running_max(signals["strain"]) - self.limit) / self.step + 1)
@@ -74,7 +90,7 @@ class ClampSlipRepeated(ClampSlipLaw):
     amount: float = parameter(0.002, unit="1", low=0, high=0.5, doc="slip per pass, as strain")
     limit: float = parameter(0.2, unit="1", low=0.01, high=2, scale="log", doc="strain that the grip just holds")
 
-    def added(self, signals: Signals, dt_s: float) -> FloatArray:
+    def slipped(self, signals: Signals, dt_s: float) -> FloatArray:
         from testbench.knit.kernels import crossings
 
         passes = crossings(signals["strain"], self.limit, self.limit - 0.02)
@@ -103,7 +119,7 @@ class ClampSlipOnce(ClampSlipLaw):
     amount: float = parameter(0.01, unit="1", low=0, high=0.5, doc="slip, as strain")
     when_s: float = parameter(35.0, unit="s", low=0.1, high=1e5, scale="log", doc="moment of the slip")
 
-    def added(self, signals: Signals, dt_s: float) -> FloatArray:
+    def slipped(self, signals: Signals, dt_s: float) -> FloatArray:
         return self.amount * (signals["time_s"] >= self.when_s)
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
@@ -137,7 +153,7 @@ class ClampSlipSliding(ClampSlipLaw):
     )
     order: float = parameter(20.0, unit="1", low=0.3, high=20, scale="log", doc="how suddenly the sliding ends")
 
-    def added(self, signals: Signals, dt_s: float) -> FloatArray:
+    def slipped(self, signals: Signals, dt_s: float) -> FloatArray:
         slid = overload_s(signals["strain"], self.limit, dt_s)
         return self.amount * (1 - (1 + slid / (self.order * self.work_s)) ** -self.order)
 
@@ -173,7 +189,7 @@ class ClampSlipEvents(ClampSlipLaw):
         tuple(3.0 * (k + 1) for k in range(MOST_SLIPS)), unit="s", low=0, high=NEVER_S, doc="their moments"
     )
 
-    def added(self, signals: Signals, dt_s: float) -> FloatArray:
+    def slipped(self, signals: Signals, dt_s: float) -> FloatArray:
         slipped = np.zeros(len(signals["time_s"]))
         for amount, when_s in zip(self.amounts, self.slip_times_s, strict=True):
             if amount:

@@ -64,6 +64,15 @@ def test_recordings_in_a_row_are_one_history_with_rests_that_do_not_count():
     assert both.counts[time_s > begin_s + 3.1].all()
 
 
+def test_a_history_tells_where_its_knit_was_clamped_anew():
+    parts = pulls(3)
+    both = joined(parts, [REST_S] * 2, clamp_play_mm=1.0)
+    time_s, clamping = both.signals["time_s"], both.signals["clamping"]
+    assert [float(clamping[time_s >= begin_s][0]) for begin_s in (0.0, *both.begins_s)] == [0, 1, 2]
+    assert np.all(np.diff(clamping) >= 0)
+    assert "clamping" not in joined(parts, [REST_S] * 2).signals
+
+
 def test_the_last_recording_comes_after_the_others():
     first, second, third = pulls(3)
     held = last_of([first, second, third], [REST_S, REST_S])

@@ -50,6 +50,28 @@ def test_sliding_adds_up_the_time_beyond_the_limit() -> None:
     assert np.all(effect.apply({"strain": 0.15 * held / 0.25}, 0.02)["strain"] == 0.15)
 
 
+@pytest.mark.parametrize(
+    "law",
+    [
+        ClampSlip(limit=0.1),
+        ClampSlipRepeated(amount=0.01, limit=0.15),
+        ClampSlipSliding(limit=0.1),
+        ClampSlipOnce(amount=0.1, when_s=60.0),
+        ClampSlipEvents(amounts=(0.1,) + 11 * (0.0,), slip_times_s=(60.0,) + 11 * (NEVER_S,)),
+    ],
+    ids=lambda law: law.name,
+)
+def test_a_knit_that_was_clamped_anew_has_not_slipped_yet(law) -> None:
+    count = len(UP_DOWN_UP)
+    once = {"time_s": np.arange(count) * 0.1, "strain": UP_DOWN_UP}
+    twice = {"time_s": np.arange(2 * count) * 0.1, "strain": np.tile(UP_DOWN_UP, 2)}
+    alone, after = law.added(once, 0.1), law.added(twice | {"clamping": np.repeat([0.0, 1.0], count)}, 0.1)
+    np.testing.assert_array_equal(after[:count], alone)
+    slips_at_a_strain = "time_s" not in law.reads
+    np.testing.assert_allclose(after[count:], alone if slips_at_a_strain else 0.0, atol=1e-12)
+    assert np.max(law.added(twice, 0.1)[count:]) > 0
+
+
 def test_onsets_start_a_fit_inside_the_strain_that_was_reached() -> None:
     measured = {"strain": UP_DOWN_UP, "time_s": np.arange(len(UP_DOWN_UP)) * 0.1}
     for law in (ClampSlip(), ClampSlipRepeated(), ClampSlipSliding()):
