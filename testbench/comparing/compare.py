@@ -22,6 +22,7 @@ BINS = 10
 CELL_BLOCK_S = 20.0  # samples closer than this are not taken as independent
 MIN_SHARE = 0.005  # a place must hold this share of the samples to be named
 MIN_T = 3.0  # and stand out by this many standard errors
+LEAST_SHARE = 0.01  # of the squared error; less is not worth a look
 
 
 @dataclass(frozen=True)
@@ -158,6 +159,8 @@ def _places(channel: str, maps: Mapping[str, tuple[Cell, ...]], residual: FloatA
         for cell in cells:
             if cell.share >= MIN_SHARE and abs(cell.t) >= MIN_T:
                 share = cell.share * cell.mean**2 / total
+                if share < LEAST_SHARE:
+                    continue
                 words = place_in_words(channel_name(channel), coordinate, cell, size)
                 found.append(Place(channel, coordinate, cell, share, words))
     return found

@@ -13,7 +13,6 @@ from gcode.support.arrays import FloatArray
 from testbench.report.downsample import liveliest
 
 NOISE_REACHED = 1.1  # an error of at most this many noise floors is noise: nothing is left to be pointed at
-LEAST_SHARE = 0.01  # of the squared error; less is not worth a look
 LOOK_S, LOOK_SAMPLES = 30.0, 200  # how much is shown around a place: so long, and at least so many samples
 
 
@@ -36,10 +35,9 @@ class Spot:
 
 
 def beyond_noise(comparison: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """The worst places of ``testbench compare --json`` that count, in channels that have not reached their noise."""
+    """The worst places of ``testbench compare --json``, in channels that have not reached their noise."""
     channels = comparison["channels"]
-    worst = [place for place in comparison["worst"] if place["share_of_error"] >= LEAST_SHARE]
-    return [place for place in worst if channels[place["channel"]]["over_noise"] > NOISE_REACHED]
+    return [place for place in comparison["worst"] if channels[place["channel"]]["over_noise"] > NOISE_REACHED]
 
 
 def spots(

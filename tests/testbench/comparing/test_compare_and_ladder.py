@@ -52,7 +52,9 @@ def test_a_misfit_over_strain_is_named():
 def test_a_right_model_has_no_bad_places():
     result = compare(truth(), prepare(record(truth())))
     assert result.rms["force"] == pytest.approx(result.noise_floor["force"], rel=0.05)
-    assert sum(place.share_of_error for place in result.worst) < 0.05
+    standing_out = [c for maps in result.maps.values() for cells in maps.values() for c in cells if abs(c.t) > 3]
+    assert standing_out, "by chance, and with less than a hundredth of the error"
+    assert result.worst == ()
 
 
 def test_maps_hold_every_sample_once_and_their_means_make_up_the_residual():
