@@ -35,12 +35,13 @@ def add_gauge_length(parser: argparse.ArgumentParser, where: str = "where it is 
 def read_all(args: argparse.Namespace, target: str) -> list[Recording]:
     """Every recording named on the command line; a force that is the target must have been tared."""
     from compensation.series.reading import check_tared, read_signals
-    from testbench.recordings.doubts import say_slow
+    from testbench.recordings.doubts import say_gaps, say_slow
 
     recordings = [read_signals(path, args.gauge_length_mm) for path in args.recordings]
     for recording in recordings:
         check_tared(recording, target)
         say_slow(recording)
+        say_gaps(recording)
     return recordings
 
 

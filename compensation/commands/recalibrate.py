@@ -54,10 +54,12 @@ def _reference(args: argparse.Namespace, compensator: TrainedCompensator) -> Ser
     from compensation.series.preprocessing import reference_of
     from compensation.series.reading import check_tared, read_signals
     from compensation.training.recalibration import reach, reference_at_rest
+    from testbench.recordings.doubts import say_slow
 
     if args.rest:
         return reference_at_rest(compensator, args.recording, args.seconds)
     recording = read_signals(args.recording, args.gauge_length_mm)
+    say_slow(recording)
     begin_s = float(recording.time_s[0])
     recording = recording.between(begin_s, begin_s + args.seconds)
     check_tared(recording, compensator.target, reach(compensator))

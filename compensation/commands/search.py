@@ -99,8 +99,9 @@ def _check(args: argparse.Namespace) -> None:
     for flag, value in (("--target", args.target), ("-o", args.output)):
         if not value:
             raise UserError(f"a search needs {flag}; --list alone prints the candidates")
-    if args.seeds < 1:
-        raise UserError(f"--seeds must be at least 1, got {args.seeds}")
+    for flag, count in (("--seeds", args.seeds), ("--top", args.top)):
+        if count < 1:
+            raise UserError(f"{flag} must be at least 1, got {count}")
     if args.scheduler and args.backend != "dask":
         raise UserError("--scheduler needs --backend dask")
 
@@ -130,11 +131,12 @@ def _table(ranking) -> str:
 
 def _certainty(ranking, agreement: float | None, seeds: int) -> str:
     best = ranking[0]
-    if agreement is None:
+    if seeds < 2:
         return f"{len(ranking)} candidates, {seeds} seed(s): a ranking from one seed is noise; use --seeds 5 or more"
+    agree = "" if agreement is None else f"; even and odd seeds agree to rho = {agreement:.2f}"
     rivals = sum(row.rank_low <= best.rank_high for row in ranking[1:])
     return (
         f"{len(ranking)} candidates, {seeds} seeds: the first is first in {best.chance_first:.0%} of the draws; "
-        f"{rivals} others cannot be told from it; even and odd seeds agree to rho = {agreement:.2f}. "
+        f"{rivals} others cannot be told from it{agree}. "
         "E is taken on A and B, as in the paper: it is a selection on the test set."
     )

@@ -165,6 +165,11 @@ def _check(args: argparse.Namespace) -> None:
     for name in OWN_CHOICES:
         if chosen and getattr(args, name) is not None:
             raise UserError(f"--{name} is for --method paper only: {chosen} makes that choice itself; leave it out")
+    if chosen and args.per_recording:
+        raise UserError(
+            f"--per-recording is for --method paper only: {chosen} learns for use, where no recording's own mean is "
+            "known; leave it out"
+        )
     if args.factors is not None and (args.factor is not None or args.count is not None):
         raise UserError("--factors sets the smoothing factors by hand; leave out --factor and --count")
     if args.twin and args.method:

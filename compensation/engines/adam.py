@@ -91,7 +91,7 @@ def train_adam(
         total, steps = epoch(features, target, order, widths_array, flat, first, second, steps, l2, batch, rate)
         loss = total / len(order)
         curve.append(loss)
-        stale = stale + 1 if loss > best - TOLERANCE else 0
+        stale = 0 if loss <= best - TOLERANCE else stale + 1  # a loss that is no number is no progress
         best = min(best, loss)
         share = max(1.0 - averaging, 1.0 / len(curve))
         mean = (1.0 - share) * mean + share * flat

@@ -69,7 +69,7 @@ def _gains(compensator: TrainedCompensator) -> int:
 
 
 def code_bytes(header: str, name: str) -> int | None:
-    """Machine code of ``update`` and ``reset`` as this machine's gcc makes it (-Os); None without a compiler."""
+    """Machine code of ``update`` and ``reset`` as this machine's gcc makes it (-Os); None without such a compiler."""
     if shutil.which("gcc") is None or shutil.which("size") is None:
         return None
     caller = (
@@ -79,7 +79,10 @@ def code_bytes(header: str, name: str) -> int | None:
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "h.h").write_text(header)
         Path(folder, "u.c").write_text(caller)
-        subprocess.run(["gcc", "-Os", "-c", "u.c", "-o", "u.o"], cwd=folder, check=True)
-        listing = subprocess.run(["size", "-A", "u.o"], cwd=folder, check=True, capture_output=True, text=True).stdout
-    rows = (line.split() for line in listing.splitlines())
+        try:
+            subprocess.run(["gcc", "-Os", "-c", "u.c", "-o", "u.o"], cwd=folder, check=True, capture_output=True)
+            sized = subprocess.run(["size", "-A", "u.o"], cwd=folder, check=True, capture_output=True, text=True)
+        except (OSError, subprocess.CalledProcessError):  # other tools of these names
+            return None
+    rows = (line.split() for line in sized.stdout.splitlines())
     return sum(int(row[1]) for row in rows if row and row[0].startswith(".text"))

@@ -31,7 +31,7 @@ def score_recordings(compensator: TrainedCompensator, recordings: Sequence[Recor
         JSON-ready; see docs/compensation.md.
     """
     series = [series_of(rec, compensator.target, compensator.resampling_hz) for rec in recordings]
-    rows = [_score_one(compensator, part) for part in series]
+    rows = [_score_one(compensator, part, one.gaps) for part, one in zip(series, recordings, strict=True)]
     held_out = [row for row in rows if row["role"] == "held-out"]
     return {
         "format": FORMAT,
@@ -56,13 +56,27 @@ def _trained_on(recipe: Mapping[str, Any], part: Series) -> bool:
     return Path(part.source).resolve() in [Path(source).resolve() for source in recipe.get("trained_on", [])]
 
 
-def _score_one(compensator: TrainedCompensator, part: Series) -> dict[str, Any]:
-    prediction = compensator.in_use.predict_series(part)
+def _role(recipe: Mapping[str, Any], part: Series) -> str:
+    """What a recording was to a compensator: learned from, the reference that it was recalibrated by, or neither."""
+    if _trained_on(recipe, part):
+        return "training"
+    reference = recipe.get("recalibrated", {}).get("on")
+    return "reference" if reference and Path(part.source).resolve() == Path(reference).resolve() else "held-out"
+
+
+def _score_one(
+    compensator: TrainedCompensator, part: Series, gaps: Sequence[tuple[float, float]] = ()
+) -> dict[str, Any]:
+    """Scores of one recording, over the times at which something was recorded."""
+    prediction, role = compensator.in_use.predict_series(part), _role(compensator.recipe, part)
+    missing = [(part.time_s > start_s) & (part.time_s < end_s) for start_s, end_s in gaps]
+    recorded = np.flatnonzero(~np.any(missing, axis=0)) if missing else np.arange(len(part))
+    part, prediction = part.rows(recorded), prediction[recorded]
     before = score.r2_before(part.truth, part.conductance_S, compensator.sign)
     after = score.r2(part.truth, prediction)
     return {
         "source": part.source,
-        "role": "training" if _trained_on(compensator.recipe, part) else "held-out",
+        "role": role,
         "duration_s": float(part.time_s[-1] - part.time_s[0]),
         "samples": len(part),
         "r2_before": before,

@@ -127,7 +127,8 @@ def sweep(
             stream.flush()
             done.append(row)
             progress(f"{row['key']}: E {row['E']:.4f}")
-    return [row for row in done if (row["key"], row["seed"]) in wanted]
+    once = {(row["key"], row["seed"]): row for row in done}  # two sweeps at a time may have written both
+    return [row for job, row in once.items() if job in wanted]
 
 
 def _run(

@@ -40,7 +40,7 @@ def read_signals(path: str | Path, gauge_length_mm: float | None = None) -> Reco
         return read_recording(path, gauge_length_mm)
     check_beside(path)
     columns = read_columns(path)
-    length_mm = gauge_length_mm or UNKNOWN_LENGTH_MM
+    length_mm = UNKNOWN_LENGTH_MM if gauge_length_mm is None else gauge_length_mm
     if RESISTANCE not in columns:
         raise UserError(f"{path}: no {RESISTANCE} (found: {', '.join(columns)}); name yours with `testbench import`")
     if not columns.keys() & {DISPLACEMENT, FORCE}:
@@ -71,6 +71,7 @@ def read_samples(path: str | Path) -> tuple[FloatArray, FloatArray]:
     else:
         check_beside(place)
     frame = read_frame(place, growing)
+    frame.columns = frame.columns.map(str).str.strip()
     for name in ("time_s", "resistance_ohm"):
         if name not in frame:
             have = ", ".join(map(str, frame.columns[:8]))

@@ -72,6 +72,7 @@ def train_automatically(
             "--method auto learns for use, where no recording's own mean is known; leave --per-recording out"
         )
     folds, whole = folds_of(series), whole_recordings(series)
+    _check_moves(series, target, folds)
     truth = np.concatenate([part.truth for part in series])
     scaling = Scaling.of(truth)
     truth, scale = scaling.apply(truth), scaling.scale
@@ -97,6 +98,18 @@ def train_automatically(
     found = {"chosen": chosen, "weights": weights, "tried": tried, "cross_validated": promise}
     margins = margins_of(residual, folds, [len(part) for part in series], changes)
     return replace(compensator, recipe=dict(compensator.recipe) | found, margins=margins)
+
+
+def _check_moves(series: Sequence[Series], target: str, folds: NDArray[np.int64]) -> None:
+    """Refuse recordings of which nothing can be learned where one fold is held out: the others stand still."""
+    for number in range(fold_count(folds)):
+        rest, _ = split(series, folds == number)
+        for name, values in (("conductance", [p.conductance_S for p in rest]), (target, [p.truth for p in rest])):
+            if np.ptp(np.concatenate(values)) == 0:
+                raise UserError(
+                    f"{series[0].source}: without one of {fold_count(folds)} parts the {name} stands still, so "
+                    "nothing can be cross-validated; give recordings that move throughout, or take --method tuned"
+                )
 
 
 def steps(series: Sequence[Series]) -> int:
@@ -198,14 +211,10 @@ def _trained(
 
 
 def _interval(truth: FloatArray, prediction: FloatArray, series: Sequence[Series]) -> list[float] | None:
-    """95 % of r2: whole recordings drawn again where they are held out, else `score.block_interval`."""
+    """95 % of r2: `score.jackknife_interval` over whole recordings where they are held out, else over blocks."""
     if not whole_recordings(series):
         step_s = sum(part.time_s[-1] - part.time_s[0] for part in series) / len(truth)
         return score.block_interval(truth, prediction, np.arange(len(truth)) * step_s)
     owner = np.repeat(np.arange(len(series)), [len(part) for part in series])
-    rng, draws = np.random.default_rng(0), []
-    rows = [np.flatnonzero(owner == number) for number in range(len(series))]
-    for _ in range(500):
-        drawn = np.concatenate([rows[number] for number in rng.integers(len(series), size=len(series))])
-        draws.append(score.r2(truth[drawn], prediction[drawn]))
-    return np.quantile(draws, [0.025, 0.975]).tolist()
+    without = [score.r2(truth[owner != number], prediction[owner != number]) for number in range(len(series))]
+    return score.jackknife_interval(score.r2(truth, prediction), without)

@@ -15,6 +15,7 @@ ABRUPT = 10.0  # times the steps beside it: where sampling is slowed down in a h
 LEAST_RECORDED = 2e-3  # of the time: a grid of 200,000 points then has 400 with samples, in two parts
 MOST_POINTS = 5_000_000  # 55 h at 25 Hz
 AGAINST = -0.5  # correlation of force and displacement below which one of them runs the wrong way
+MUCH_MISSING = 0.02  # of the time
 SLOWEST_HZ = 0.1  # of recordings that models are tried on
 _SAID: set[str] = set()
 
@@ -156,6 +157,16 @@ def say_slow(recording: Recording) -> None:
     """Warn where a recording is slower than models are tried on."""
     if said := slow(recording):
         say_once(f"{recording.source}: {said}")
+
+
+def say_gaps(recording: Recording) -> None:
+    """Warn where much of a recording that is learned from, or scored, was not recorded."""
+    missing_s = sum(end_s - start_s for start_s, end_s in recording.gaps)
+    if missing_s > MUCH_MISSING * recording.duration_s:
+        say_once(
+            f"{recording.source}: nothing was recorded in {missing_s:.4g} of {recording.duration_s:.4g} s; a score "
+            "leaves that out, but a training takes straight lines there for data: better cut the recording there"
+        )
 
 
 def _below_zero(recording: Recording) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from compensation.cli import main
-from compensation.export.chip_cost import cost
+from compensation.export.chip_cost import code_bytes, cost
 from compensation.export.export_c import PROMISED, c_header, rounding
 from compensation.export.export_onnx import write_onnx
 from compensation.export.onnx_stream import OnnxStream
@@ -239,3 +239,12 @@ def test_every_runtime_knows_the_interval(compensator, tmp_path):
     for one in (known, compensator):
         write_onnx(one, tmp_path / "c.onnx")
         assert OnnxStream(tmp_path / "c.onnx").margins == one.margins
+
+
+def test_tools_that_cannot_size_a_program_leave_its_size_unknown(compensator, tmp_path, monkeypatch):
+    for name in ("gcc", "size"):
+        tool = tmp_path / name
+        tool.write_text("#!/bin/sh\nexit 1\n")
+        tool.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert code_bytes(c_header(compensator), "compensator") is None

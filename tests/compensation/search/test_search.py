@@ -93,6 +93,14 @@ def test_a_killed_sweep_goes_on(task, tmp_path):
     assert search.sweep(task, jobs, results, workers=1, progress=pytest.fail) == rows
 
 
+def test_what_two_sweeps_at_a_time_have_written_counts_once(task, tmp_path):
+    jobs, results = some_jobs(), tmp_path / "s.jsonl"
+    whole = search.sweep(task, jobs, results, workers=1)
+    first, *rows = results.read_text().splitlines(keepends=True)
+    results.write_text("".join([first, *rows, *rows]))
+    assert sorted(search.sweep(task, jobs, results, workers=1), key=json.dumps) == sorted(whole, key=json.dumps)
+
+
 def test_results_of_other_recordings_of_the_same_names_are_refused(recordings, tmp_path):
     task = task_of(recordings, 20.0, tmp_path)
     search.sweep(task, [], tmp_path / "s.jsonl")
@@ -244,6 +252,8 @@ def test_command_prints_table_picture_and_certainty(task, tmp_path, capsys):
     assert len(out.read_text().splitlines()) == 1 + 8
     assert main([*words, "--seeds", "0", "-o", str(out)]) == 2
     assert "--seeds must be at least 1" in capsys.readouterr().err
+    assert main([*words, "--top", "-3", "-o", str(out)]) == 2
+    assert "--top must be at least 1" in capsys.readouterr().err
     assert main([*words, "--bases", "4,1", "-o", str(out)]) == 2
     assert "--bases must be whole numbers from 2" in capsys.readouterr().err
     assert main([*words, "--scheduler", "tcp://here:1", "-o", str(out)]) == 2
@@ -261,3 +271,10 @@ def test_dask_gives_the_same_rows(task, tmp_path):
         for backend in ("loky", "dask")
     )
     assert sorted(here, key=json.dumps) == sorted(there, key=json.dumps)
+
+
+def test_two_candidates_are_ranked_by_their_seeds_all_the_same():
+    rows = [row(key, seed, error) for key, error in (("a", 0.1), ("b", 0.3)) for seed in range(5)]
+    said = _certainty(rank(rows), split_half_agreement(rows), 5)
+    assert "2 candidates, 5 seeds: the first is first in" in said
+    assert "use --seeds" not in said

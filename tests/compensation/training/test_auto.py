@@ -287,3 +287,11 @@ def test_it_is_the_default_and_prints_what_it_tried(recordings, tmp_path, capsys
 def test_it_does_not_learn_from_each_recordings_own_mean(series):
     with pytest.raises(UserError, match="leave --per-recording out"):
         train_automatically(series[:1], "force", Options(per_recording=True))
+
+
+def test_what_moves_in_one_part_alone_cannot_be_cross_validated(series):
+    part = series[0]
+    resting = np.arange(len(part)) < 0.85 * len(part)
+    still = replace(part, truth=np.where(resting, 0.0, part.truth))
+    with pytest.raises(UserError, match="without one of 5 parts the force stands still"):
+        train_automatically([still], "force", Options())

@@ -301,10 +301,13 @@ def test_the_command_offers_every_method(capsys):
 def test_the_score_of_scaling_per_recording_says_what_it_knows(recordings, tmp_path, capsys):
     path, out = tmp_path / "r.csv", tmp_path / "c.json"
     write_recording_csv(path, recordings[0].between(0, 40))
-    words = ["train", str(path), "--gauge-length-mm", "25", "--target", "force", "--restarts", "1", "-o", str(out)]
+    bare = ["train", str(path), "--gauge-length-mm", "25", "--target", "force", "-o", str(out)]
+    words = [*bare, "--restarts", "1"]
     assert main([*words, "--per-recording"]) == 0
     printed = capsys.readouterr().out
     assert "no sensor in use knows" in printed
+    assert main([*bare, "--method", "tuned", "--per-recording"]) == 2
+    assert "--per-recording is for --method paper only: --method tuned learns for use" in capsys.readouterr().err
     assert main(words) == 0
     assert "no sensor in use knows" not in capsys.readouterr().out
     # 2.5^7 samples at 20 Hz are 31 s.

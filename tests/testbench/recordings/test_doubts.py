@@ -128,3 +128,10 @@ def test_two_recordings_are_one_where_they_share_the_channels_that_matter():
     kept = [name for name in one.channels if name != DISPLACEMENT]
     with pytest.raises(UserError, match="holds the same samples"):
         doubts.check_distinct([one, other], "give each once", kept)
+
+
+def test_a_recording_with_much_missing_is_said(said):
+    doubts.say_gaps(with_gap(0.0))
+    assert not said.text
+    doubts.say_gaps(replace(with_gap(300.0), source="paused"))
+    assert "paused: nothing was recorded in" in said.text
