@@ -10,7 +10,7 @@ from testbench.importing.clocks import own_clocks
 from testbench.importing.layout import Column, Layout, shortened
 from testbench.importing.vocabulary.laboratory_units import Unit, given_unit, units_spelt
 from testbench.importing.vocabulary.notation import is_when
-from testbench.importing.vocabulary.roles import ROLES, STRETCH, SYMBOL, is_generic
+from testbench.importing.vocabulary.roles import ROLES, STRETCH, SYMBOL, is_generic, is_letter
 
 ELECTRICAL = ("resistance", "conductance", "relative", "relative_change")
 NOT_THERE = "none"
@@ -199,14 +199,21 @@ def _role(column: Column) -> tuple[str, int]:
 
 
 def _prefer(picked: dict[str, Column], choice: Choice, said: Said) -> None:
-    """One of displacement and strain, one of resistance, conductance and R/R0; the first of each."""
-    unclear = {trouble.role for trouble in choice.troubles}
+    """One of displacement and strain, one of resistance, conductance and R/R0: the first that says so plainly."""
+    unclear = {trouble.role: trouble.columns[0] for trouble in choice.troubles}
     for group in (("displacement", "strain"), ELECTRICAL):
         there = [role for role in group if role in picked or role in unclear]
-        for role in there[1:]:
-            if role not in said.columns:
+        plain = [role for role in there if role in said.columns or _is_plain(picked.get(role) or unclear[role])]
+        for role in there:
+            if role != (plain or there)[0] and role not in said.columns:
                 picked.pop(role, None)
                 choice.troubles = [trouble for trouble in choice.troubles if trouble.role != role]
+
+
+def _is_plain(column: Column) -> bool:
+    """Whether a column says what it is: by a word, a formula or its letter, not by a letter with a word behind it."""
+    _, strength = _role(column)
+    return strength > SYMBOL or (strength == SYMBOL and is_letter(column.heading.base))
 
 
 def _several_clocks(times: Sequence[Column], picked: dict[str, Column], choice: Choice) -> dict[str, Column]:
