@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from gcode.support.errors import UserError
 from testbench.importing.clocks import own_clocks
 from testbench.importing.layout import Column, Layout, shortened
 from testbench.importing.vocabulary.laboratory_units import Unit, given_unit, units_spelt
-from testbench.importing.vocabulary.notation import is_when
+from testbench.importing.vocabulary.notation import is_day, is_time_of_day, is_when
 from testbench.importing.vocabulary.roles import ROLES, STRETCH, SYMBOL, is_generic, is_letter
 
 ELECTRICAL = ("resistance", "conductance", "relative", "relative_change")
@@ -37,6 +37,8 @@ class Taken:
         Where the unit was read: ``header``, ``row 2``, or the option that gave it.
     clock : Column or None
         The column of its own times, where that is another one than `time`'s.
+    days : Column or None
+        The column of the days that times of day are of.
     """
 
     role: str
@@ -44,6 +46,12 @@ class Taken:
     unit: Unit | None
     unit_from: str
     clock: Column | None = None
+    days: Column | None = None
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """All columns that it is read from."""
+        return tuple(column for column in (self.column, self.clock, self.days) if column)
 
 
 @dataclass(frozen=True)
@@ -112,15 +120,46 @@ def choose(layout: Layout, rows: Sequence[Sequence[str]], said: Said) -> Choice:
     _prefer(picked, choice, said)
     if len(times) > 1:
         clocks |= _several_clocks(times, picked, choice)
-    when = _when_columns(layout, rows)
+    when = _columns_of(layout, rows, is_when)
     for role in ROLES:
         if role in picked:
             _take(choice, role, picked[role], clocks.get(role), said, when)
     _check_enough(choice, said)
-    used = {id(column) for one in choice.taken.values() for column in (one.column, one.clock) if column}
-    open_ones = {id(column) for trouble in choice.troubles for column in trouble.columns}
-    choice.unused = tuple(column for column in layout.columns if id(column) not in used | open_ones)
+    choice.unused = _unused(choice, layout)
+    _join_days(choice, layout, rows)
     return choice
+
+
+def _unused(choice: Choice, layout: Layout) -> tuple[Column, ...]:
+    used = {id(column) for one in choice.taken.values() for column in one.columns}
+    open_ones = {id(column) for trouble in choice.troubles for column in trouble.columns}
+    return tuple(column for column in layout.columns if id(column) not in used | open_ones)
+
+
+def _join_days(choice: Choice, layout: Layout, rows: Sequence[Sequence[str]]) -> None:
+    """Where the time is one of day, its days are in a column of dates beside it, if there is one.
+
+    Raises
+    ------
+    UserError
+        If there are several.
+    """
+    time = choice.taken.get("time")
+    if time is None or time.unit is not None:
+        return
+    clocks = _columns_of(layout, rows, is_time_of_day)
+    dates = _columns_of(layout, rows, is_day)
+    days = [column for column in choice.unused if column.number in dates]
+    if time.column.number not in clocks or not days:
+        return
+    if len(days) > 1:
+        labels = " and ".join(column.label for column in days)
+        raise UserError(
+            f"{time.column.label} has times of day, and {labels} have dates: which are its days cannot be told; "
+            "leave one of them in the file"
+        )
+    choice.taken["time"] = replace(time, days=days[0])
+    choice.unused = _unused(choice, layout)
 
 
 def column_of(layout: Layout, text: str) -> Column:
@@ -227,13 +266,13 @@ def _several_clocks(times: Sequence[Column], picked: dict[str, Column], choice: 
     return {role: clock for role, clock in clocks.items() if clock is not clocks[main]}
 
 
-def _when_columns(layout: Layout, rows: Sequence[Sequence[str]]) -> set[int]:
-    """Numbers of the columns that hold dates or times of day."""
+def _columns_of(layout: Layout, rows: Sequence[Sequence[str]], kind: Callable[[str], bool]) -> set[int]:
+    """Numbers of the columns most of whose cells are of a kind, such as dates."""
     body = rows[layout.first_row - 1 :]
     found = set()
     for column in layout.columns:
         cells = [row[column.number - 1] for row in body if len(row) >= column.number and row[column.number - 1]]
-        if cells and sum(map(is_when, cells)) > 0.5 * len(cells):
+        if cells and sum(map(kind, cells)) > 0.5 * len(cells):
             found.add(column.number)
     return found
 

@@ -208,6 +208,7 @@ def _details(sheet: Sheet, choice: Choice, wish: Wish, done: Imported) -> dict[s
             "offset": one.unit.offset if one.unit else 0.0,
         }
         | ({"clock": _named(one.clock)} if one.clock else {})
+        | ({"days": _named(one.days)} if one.days else {})
         for role, one in choice.taken.items()
     }
     details: dict[str, Any] = {"file": sheet.path.name, "sha256": sha256_of(sheet.path), "columns": columns}

@@ -191,7 +191,7 @@ def _by_symbol(role: str, base: str) -> int:
 def is_letter(base: str) -> bool:
     """Whether a name is a formula's letter, alone or numbered (``R``, ``R2``), with no word behind it."""
     found = re.match(r"^([^\W\d_]+)[ _]?\d*$", base.strip())
-    return bool(found) and any(found[1] in symbols for symbols in _SYMBOLS.values())
+    return found is not None and any(found[1] in symbols for symbols in _SYMBOLS.values())
 
 
 def speaks_about(whole: str, role: str = "") -> bool:
