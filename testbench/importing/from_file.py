@@ -79,11 +79,18 @@ def import_file(path: Path, wish: Wish) -> list[Imported]:
     read = read_columns(sheet, choice, wish.hints.thousands)
     if read.wrong and not wish.drop_bad:
         raise UserError(f"{path}: {read.wrong[0]}")
-    time_s = read.values.get("time", (read.rows - read.rows[0]) / float(wish.rate_hz or 1.0))
+    time_s = read.values["time"] if "time" in read.values else _at_rate(sheet, read, float(wish.rate_hz or 1.0))
     parts = _parts(sheet, choice, wish, read, time_s)
     labels = {role: choice.taken[role].column.label for role in choice.taken}
     inside = on_main_clock(sheet, read, time_s, labels, wish.sort)
     return [_recorded(sheet, choice, wish, read, time_s, rows[inside[rows]], label) for label, rows in parts]
+
+
+def _at_rate(sheet: Sheet, read: Read, rate_hz: float) -> np.ndarray:
+    """The times of samples that were taken at a rate, in s: blank lines are none, rows of no use are."""
+    filled = sheet.body([column.number for column in sheet.layout.columns]).notna().any(axis=1).to_numpy()
+    sample = np.cumsum(filled)[read.rows - sheet.layout.first_row]
+    return (sample - sample[0]) / rate_hz
 
 
 def import_csv(path: Path, wish: Wish) -> Imported:

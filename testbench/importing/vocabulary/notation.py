@@ -148,8 +148,8 @@ def seconds(cells: pd.Series) -> tuple[np.ndarray, int | None]:
         text = text.mask(text == "")
         clock = text.str.extract(_CLOCK.pattern)
         if 2 * clock.notna().any(axis=1).sum() >= text.notna().sum() > 0:
-            since, wrong = _times_of_day(text, clock)
-            return _past_midnight(since), wrong
+            of_day, first_wrong = _times_of_day(text, clock)
+            return _past_midnight(of_day), first_wrong
         when = _dates(text)
     wrong = np.flatnonzero((when.isna() & cells.notna()).to_numpy())
     since = (when - when.min()).dt.total_seconds()
