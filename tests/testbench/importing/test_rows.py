@@ -51,7 +51,7 @@ def test_a_missing_cell_between_blanks_does_not_move_the_others(tmp_path):
 
 
 def test_what_stands_or_stands_not_behind_the_columns_is_no_missing_cell(tmp_path):
-    for last in ("  0.7   3.50   1.40      nan", "  0.7   3.50   1.40   2   slipped", ""):
+    for last in ("  0.7   3.50   1.40      nan", ""):
         recording = import_csv(written(tmp_path, blanks((7, last))), Wish(40.0)).recording
         assert len(recording.time_s) == 8 - (not last)
     unnamed = blanks().replace("Cycle", "Cycle  Note")
