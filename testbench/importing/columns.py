@@ -106,15 +106,17 @@ def _moments(one: Taken, cells: pd.Series, frame: pd.DataFrame, read: Read) -> n
 
 def _check_one_table(sheet: Sheet, columns: Sequence[Column], frame: pd.DataFrame, rows: np.ndarray) -> None:
     """Rows below other names or other units are not of this table, whatever else is left out."""
-    speaking = np.zeros(len(rows), dtype=int)
+    speaking, worded = np.zeros(len(rows), dtype=int), np.zeros(len(rows), dtype=int)
     for column in columns:
         cells = frame[column.number]
         if cells.dtype.kind not in "fiumM":
             text = cells.astype("string").str.strip()
-            worded = text[text.str.contains(_LETTER, na=False)]
-            others = [word for word in worded.unique() if _is_another_name(word, column)]
-            speaking += text.isin(others).to_numpy(dtype=bool)
-    again = np.flatnonzero(speaking > 1)
+            lettered = text[text.str.contains(_LETTER, na=False)].unique()
+            words = [word for word in lettered if not (is_number(word) or is_when(word))]
+            worded += text.isin(words).to_numpy(dtype=bool)
+            speaking += text.isin([word for word in words if _is_another_name(word, column)]).to_numpy(dtype=bool)
+    filled = frame[[column.number for column in columns]].notna().sum(axis=1).to_numpy()
+    again = np.flatnonzero((speaking > 1) | ((speaking > 0) & (worded > 1) & (worded == filled)))
     if again.size:
         names = ", ".join(str(frame[column.number].iloc[again[0]]) for column in columns)
         raise UserError(
@@ -124,10 +126,8 @@ def _check_one_table(sheet: Sheet, columns: Sequence[Column], frame: pd.DataFram
 
 
 def _is_another_name(text: str, column: Column) -> bool:
-    if is_number(text) or is_when(text) or text == column.heading.text:
-        return False
     heading = read_heading(text)
-    return bool(heading.roles or heading.unit_text)
+    return text != column.heading.text and bool(heading.roles or heading.unit_text)
 
 
 def previewed(sheet: Sheet, choice: Choice, thousands: str | None = None) -> dict[str, str]:

@@ -50,9 +50,56 @@ def test_a_missing_cell_between_blanks_does_not_move_the_others(tmp_path):
     assert recording["force_N"].tolist() == pytest.approx([0, 0.2, 0.6, 0.8, 1.0, 1.2, 1.4])
 
 
-def test_what_stands_or_stands_not_behind_the_columns_is_no_missing_cell(tmp_path):
+def test_a_last_cell_that_is_no_number_and_a_blank_line_are_no_missing_cell(tmp_path):
     for last in ("  0.7   3.50   1.40      nan", ""):
         recording = import_csv(written(tmp_path, blanks((7, last))), Wish(40.0)).recording
         assert len(recording.time_s) == 8 - (not last)
-    unnamed = blanks().replace("Cycle", "Cycle  Note")
-    assert len(import_csv(written(tmp_path, unnamed), Wish(40.0)).recording.time_s) == 8
+
+
+def kiloohm(*below):
+    return (
+        "\n".join(["Time (s),Displacement (mm),R (kOhm)", "0,0,900", "1,1,901", *below, "2,2,902", "3,3,0.9"]) + "\n"
+    )
+
+
+@pytest.mark.parametrize("again", ["Time (s),Displacement (mm),R (MOhm)", "Time,Displacement (mm),R (kOhm)"])
+def test_names_with_one_other_unit_begin_another_table(tmp_path, again):
+    """With --drop-bad the row of names was left out, and megaohms were read as kiloohms."""
+    with pytest.raises(UserError, match="row 4 has other names or units"):
+        import_csv(written(tmp_path, kiloohm(again)), Wish(40.0, drop_bad=True))
+
+
+@pytest.mark.parametrize(
+    "row", ["Time (s),Displacement (mm),R (kOhm)", "1.5,1.5,OL ohm", "end of force,,", "OL,OL,OL"]
+)
+def test_the_same_names_and_single_words_do_not(tmp_path, row):
+    done = import_csv(written(tmp_path, kiloohm(row)), Wish(40.0, drop_bad=True))
+    assert done.recording["resistance_ohm"].tolist() == [900_000, 901_000, 902_000, 900]
+
+
+def timed(*times):
+    return "\n".join(["Time (s),Displacement (mm),Force (N)", *(f"{t:.2f},{t:.2f},1" for t in times)]) + "\n"
+
+
+FIRST = [0.1 * n for n in range(40)]
+
+
+@pytest.mark.parametrize("start", [0.0, 0.03, 1.0])
+@pytest.mark.parametrize("sort", [False, True])
+@pytest.mark.parametrize("tests", [2, 3])
+def test_two_tests_in_one_file_are_never_sorted_into_each_other(tmp_path, start, sort, tests):
+    path = written(tmp_path, timed(*FIRST, *[start + t for t in FIRST] * (tests - 1)))
+    with pytest.raises(UserError, match=r"row 42: .*the time starts again there.*part it into one file each"):
+        import_csv(path, Wish(40.0, sort=sort))
+
+
+def test_rows_that_came_late_are_sorted(tmp_path):
+    late = [*FIRST[:5], *FIRST[18:], *FIRST[5:18]]
+    done = import_csv(written(tmp_path, timed(*late)), Wish(40.0, sort=True))
+    assert done.recording.time_s.tolist() == pytest.approx(FIRST)
+    shuffled = [FIRST[7 * n % 40] for n in range(40)]
+    done = import_csv(written(tmp_path, timed(*shuffled)), Wish(40.0, sort=True))
+    assert done.recording.time_s.tolist() == pytest.approx(FIRST)
+    one = [*FIRST[:5], *FIRST[6:30], FIRST[5], *FIRST[30:]]
+    done = import_csv(written(tmp_path, timed(*one)), Wish(40.0, sort=True))
+    assert done.recording.time_s.tolist() == pytest.approx(FIRST)
