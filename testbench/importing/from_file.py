@@ -13,7 +13,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from gcode.support.files import sha256_of
-from testbench.importing.choice import ELECTRICAL, FLAGS, NAMED, Choice, choose
+from testbench.importing.choice import ELECTRICAL, FLAGS, NAMED, Choice, check_used, choose
 from testbench.importing.columns import Read, on_main_clock, read_columns
 from testbench.importing.files.opening import open_sheet
 from testbench.importing.gauge import gauge_doubt
@@ -68,6 +68,10 @@ def import_file(path: Path, wish: Wish) -> list[Imported]:
     if choice.troubles:
         first = sheet.head[sheet.layout.first_row - 1]
         raise UserError(f"{path}: {in_words(choice.troubles, sheet.layout, first)}")
+    try:
+        check_used(choice, wish.said())
+    except UserError as error:
+        raise UserError(f"{path}: {error}") from None
     if wish.gauge_length_mm is None and STRETCH & set(choice.taken):
         raise UserError(
             f"{path}: the gauge length is not known: say --gauge-length-mm, the length between the clamps at rest"
