@@ -87,6 +87,12 @@ def import_file(path: Path, wish: Wish) -> list[Imported]:
     parts = _parts(sheet, choice, wish, read, time_s)
     labels = {role: choice.taken[role].column.label for role in choice.taken}
     inside = on_main_clock(sheet, read, time_s, labels, wish.sort)
+    if read.clocks and not inside.any():
+        others = ", ".join(labels[role] for role in read.clocks)
+        raise UserError(
+            f"{path}: the clocks do not overlap: at no time of {labels['time']} is there a sample of every one of "
+            f"{others}; see --time-of, or leave one of them out with none"
+        )
     return [_recorded(sheet, choice, wish, read, time_s, rows[inside[rows]], label) for label, rows in parts]
 
 

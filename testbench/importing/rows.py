@@ -86,6 +86,8 @@ def usable(
             first = int(np.flatnonzero(~fine)[0])
             want = "positive and finite" if name == RESISTANCE else "a finite number"
             remedy, turned = "--drop-bad leaves them out", sorted(ELECTRICAL.intersection(roles))
+            if name == TEMPERATURE:
+                remedy = "--temperature none leaves the temperature out, --drop-bad those rows"
             if name == RESISTANCE and turned and (values < 0).mean() > MOSTLY:
                 flag, given = f"--negate {turned[0]}", wish.negate & ELECTRICAL
                 remedy = f"leave {flag} out" if given else f"if its leads were the other way round, add {flag}"

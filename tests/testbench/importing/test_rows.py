@@ -103,3 +103,27 @@ def test_rows_that_came_late_are_sorted(tmp_path):
     one = [*FIRST[:5], *FIRST[6:30], FIRST[5], *FIRST[30:]]
     done = import_csv(written(tmp_path, timed(*one)), Wish(40.0, sort=True))
     assert done.recording.time_s.tolist() == pytest.approx(FIRST)
+
+
+def test_a_sparse_temperature_can_be_left_out_and_not_only_its_rows(tmp_path):
+    rows = "".join(f"{n},{n},{n},{25 if n % 10 == 0 else ''}\n" for n in range(30))
+    path = written(tmp_path, "Time (s),Displacement (mm),Force (N),Temperature (C)\n" + rows)
+    with pytest.raises(
+        UserError, match=r"row 3: temperature_.*; --temperature none leaves the temperature out, --drop"
+    ):
+        import_csv(path, Wish(40.0))
+    assert len(import_csv(path, Wish(40.0, {"temperature": "none"})).recording.time_s) == 30
+
+
+@pytest.mark.parametrize(
+    ("sign", "negate", "said"),
+    [
+        (-1, set(), "add --negate displacement force"),
+        (1, {"displacement", "force"}, "leave --negate displacement force"),
+    ],
+)
+def test_signs_that_were_turned_are_not_advised_to_be_turned_again(tmp_path, sign, negate, said):
+    rows = "".join(f"{t:.2f},{sign * t:.2f},{2 * sign * t:.2f}\n" for t in FIRST)
+    path = written(tmp_path, "Time (s),Displacement (mm),Force (N)\n" + rows)
+    done = import_csv(path, Wish(40.0, negate=frozenset(negate)))
+    assert any(said in doubt for doubt in done.doubts)
