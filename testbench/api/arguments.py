@@ -114,7 +114,9 @@ def _numbers(name: str, values: Any) -> FloatArray:
         )
     try:
         column = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+        if np.ma.isMaskedArray(values):
+            column[np.ma.getmaskarray(values)] = np.nan
+    except (TypeError, ValueError, OverflowError) as error:
         raise UserError(f"read: {name} must be numbers, {error}; convert it, or leave it out") from error
     if column.ndim != 1:
         raise UserError(f"read: {name} must be one number a sample, got shape {column.shape}")

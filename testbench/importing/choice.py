@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from gcode.support.errors import UserError
 from testbench.importing.clocks import own_clocks
 from testbench.importing.layout import Column, Layout, shortened
 from testbench.importing.vocabulary.laboratory_units import Unit, given_unit, units_spelt
-from testbench.importing.vocabulary.notation import is_when
-from testbench.importing.vocabulary.roles import ROLES, STRETCH, SYMBOL, is_generic
+from testbench.importing.vocabulary.notation import is_day, is_time_of_day, is_when
+from testbench.importing.vocabulary.roles import ROLES, STRETCH, SYMBOL, is_generic, is_letter
 
 ELECTRICAL = ("resistance", "conductance", "relative", "relative_change")
 NOT_THERE = "none"
@@ -37,6 +37,8 @@ class Taken:
         Where the unit was read: ``header``, ``row 2``, or the option that gave it.
     clock : Column or None
         The column of its own times, where that is another one than `time`'s.
+    days : Column or None
+        The column of the days that times of day are of.
     """
 
     role: str
@@ -44,6 +46,12 @@ class Taken:
     unit: Unit | None
     unit_from: str
     clock: Column | None = None
+    days: Column | None = None
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """All columns that it is read from."""
+        return tuple(column for column in (self.column, self.clock, self.days) if column)
 
 
 @dataclass(frozen=True)
@@ -112,15 +120,67 @@ def choose(layout: Layout, rows: Sequence[Sequence[str]], said: Said) -> Choice:
     _prefer(picked, choice, said)
     if len(times) > 1:
         clocks |= _several_clocks(times, picked, choice)
-    when = _when_columns(layout, rows)
+    when = _columns_of(layout, rows, is_when)
     for role in ROLES:
         if role in picked:
             _take(choice, role, picked[role], clocks.get(role), said, when)
     _check_enough(choice, said)
-    used = {id(column) for one in choice.taken.values() for column in (one.column, one.clock) if column}
-    open_ones = {id(column) for trouble in choice.troubles for column in trouble.columns}
-    choice.unused = tuple(column for column in layout.columns if id(column) not in used | open_ones)
+    choice.unused = _unused(choice, layout)
+    _join_days(choice, layout, rows)
     return choice
+
+
+def check_used(choice: Choice, said: Said) -> None:
+    """Refuse what a person said of a role that no column is taken for: it would be left out in silence.
+
+    Raises
+    ------
+    UserError
+        If there is such a unit, clock or rate.
+    """
+    alike = {role: {one for one in ROLES if UNIT_FLAGS[one] == UNIT_FLAGS[role]} for role in said.units}
+    idle = [UNIT_FLAGS[role] for role, those in alike.items() if not those & set(choice.taken)]
+    idle += [f"--time-of {role}=" for role in said.clocks if role not in choice.taken]
+    if idle:
+        taken = "; ".join(f"{role}: {one.column.label}" for role, one in choice.taken.items())
+        raise UserError(f"{idle[0]} is of what no column is taken for ({taken or 'none is'}); leave it out")
+    if said.has_rate and "time" in choice.taken:
+        raise UserError(
+            f"--rate-hz is of a file without times, and {choice.taken['time'].column.label} is taken for them; leave "
+            "--rate-hz or --time out"
+        )
+
+
+def _unused(choice: Choice, layout: Layout) -> tuple[Column, ...]:
+    used = {id(column) for one in choice.taken.values() for column in one.columns}
+    open_ones = {id(column) for trouble in choice.troubles for column in trouble.columns}
+    return tuple(column for column in layout.columns if id(column) not in used | open_ones)
+
+
+def _join_days(choice: Choice, layout: Layout, rows: Sequence[Sequence[str]]) -> None:
+    """Where the time is one of day, its days are in a column of dates beside it, if there is one.
+
+    Raises
+    ------
+    UserError
+        If there are several.
+    """
+    time = choice.taken.get("time")
+    if time is None or time.unit is not None:
+        return
+    clocks = _columns_of(layout, rows, is_time_of_day)
+    dates = _columns_of(layout, rows, is_day)
+    days = [column for column in choice.unused if column.number in dates]
+    if time.column.number not in clocks or not days:
+        return
+    if len(days) > 1:
+        labels = " and ".join(column.label for column in days)
+        raise UserError(
+            f"{time.column.label} has times of day, and {labels} have dates: which are its days cannot be told; "
+            "leave one of them in the file"
+        )
+    choice.taken["time"] = replace(time, days=days[0])
+    choice.unused = _unused(choice, layout)
 
 
 def column_of(layout: Layout, text: str) -> Column:
@@ -199,14 +259,21 @@ def _role(column: Column) -> tuple[str, int]:
 
 
 def _prefer(picked: dict[str, Column], choice: Choice, said: Said) -> None:
-    """One of displacement and strain, one of resistance, conductance and R/R0; the first of each."""
-    unclear = {trouble.role for trouble in choice.troubles}
+    """One of displacement and strain, one of resistance, conductance and R/R0: the first that says so plainly."""
+    unclear = {trouble.role: trouble.columns[0] for trouble in choice.troubles}
     for group in (("displacement", "strain"), ELECTRICAL):
         there = [role for role in group if role in picked or role in unclear]
-        for role in there[1:]:
-            if role not in said.columns:
+        plain = [role for role in there if role in said.columns or _is_plain(picked.get(role) or unclear[role])]
+        for role in there:
+            if role != (plain or there)[0] and role not in said.columns:
                 picked.pop(role, None)
                 choice.troubles = [trouble for trouble in choice.troubles if trouble.role != role]
+
+
+def _is_plain(column: Column) -> bool:
+    """Whether a column says what it is: by a word, a formula or its letter, not by a letter with a word behind it."""
+    _, strength = _role(column)
+    return strength > SYMBOL or (strength == SYMBOL and is_letter(column.heading.base))
 
 
 def _several_clocks(times: Sequence[Column], picked: dict[str, Column], choice: Choice) -> dict[str, Column]:
@@ -220,13 +287,13 @@ def _several_clocks(times: Sequence[Column], picked: dict[str, Column], choice: 
     return {role: clock for role, clock in clocks.items() if clock is not clocks[main]}
 
 
-def _when_columns(layout: Layout, rows: Sequence[Sequence[str]]) -> set[int]:
-    """Numbers of the columns that hold dates or times of day."""
+def _columns_of(layout: Layout, rows: Sequence[Sequence[str]], kind: Callable[[str], bool]) -> set[int]:
+    """Numbers of the columns most of whose cells are of a kind, such as dates."""
     body = rows[layout.first_row - 1 :]
     found = set()
     for column in layout.columns:
         cells = [row[column.number - 1] for row in body if len(row) >= column.number and row[column.number - 1]]
-        if cells and sum(map(is_when, cells)) > 0.5 * len(cells):
+        if cells and sum(map(kind, cells)) > 0.5 * len(cells):
             found.add(column.number)
     return found
 

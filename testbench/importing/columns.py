@@ -16,7 +16,15 @@ from testbench.importing.sheet import Sheet
 from testbench.importing.trouble_words import unit_unknown
 from testbench.importing.vocabulary.headings import read_heading
 from testbench.importing.vocabulary.laboratory_units import OURS, Unit, conversion
-from testbench.importing.vocabulary.notation import is_number, is_when, may_be_thousands, numbers, seconds
+from testbench.importing.vocabulary.notation import (
+    is_number,
+    is_unclear_day,
+    is_when,
+    may_be_thousands,
+    numbers,
+    seconds,
+    seconds_of_days,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -57,10 +65,11 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
     UserError
         If there are no rows below the header, another table begins below, or a clock of its own is given as dates.
     """
-    needed = [column for one in choice.taken.values() for column in (one.column, one.clock) if column]
+    needed = [column for one in choice.taken.values() for column in one.columns]
+    days = {one.days.number for one in choice.taken.values() if one.days}
     frame = sheet.body([column.number for column in needed])
     rows = np.arange(len(frame)) + sheet.layout.first_row
-    blank = frame.isna().all(axis=1).to_numpy() if len(frame) else np.zeros(0, dtype=bool)
+    blank = frame.drop(columns=list(days)).isna().all(axis=1).to_numpy() if len(frame) else np.zeros(0, dtype=bool)
     frame, rows = frame[~blank], rows[~blank]
     if not len(rows):
         raise UserError(f"{sheet.path}: there is nothing below the header in row {sheet.layout.first_row - 1}")
@@ -69,9 +78,7 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
     for role, one in choice.taken.items():
         cells = frame[one.column.number]
         if one.unit is None:
-            found, wrong = seconds(cells)
-            read.words[role] = f"{one.column.label}: dates and times, in seconds from the first"
-            _note(read, one.column, cells, wrong, "a date and time")
+            found = _moments(one, cells, frame, read)
         else:
             plain, wrong = numbers(cells, sheet.decimal, thousands)
             found = one.unit.converted(plain)
@@ -83,17 +90,33 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
     return read
 
 
+def _moments(one: Taken, cells: pd.Series, frame: pd.DataFrame, read: Read) -> np.ndarray:
+    """Dates and times, or times of day with the days beside them, in s."""
+    of_days = ""
+    if one.days is None:
+        found, wrong = seconds(cells)
+    else:
+        found, wrong, wrong_day = seconds_of_days(cells, frame[one.days.number])
+        of_days = f" of the days in {one.days.label}"
+        _note(read, one.days, frame[one.days.number], wrong_day, "a date")
+    _note(read, one.column, cells, wrong, "a date and time" if one.days is None else "a time of day")
+    read.words[one.role] = f"{one.column.label}: dates and times{of_days}, in seconds from the first"
+    return found
+
+
 def _check_one_table(sheet: Sheet, columns: Sequence[Column], frame: pd.DataFrame, rows: np.ndarray) -> None:
     """Rows below other names or other units are not of this table, whatever else is left out."""
-    speaking = np.zeros(len(rows), dtype=int)
+    speaking, worded = np.zeros(len(rows), dtype=int), np.zeros(len(rows), dtype=int)
     for column in columns:
         cells = frame[column.number]
         if cells.dtype.kind not in "fiumM":
             text = cells.astype("string").str.strip()
-            worded = text[text.str.contains(_LETTER, na=False)]
-            others = [word for word in worded.unique() if _is_another_name(word, column)]
-            speaking += text.isin(others).to_numpy(dtype=bool)
-    again = np.flatnonzero(speaking > 1)
+            lettered = text[text.str.contains(_LETTER, na=False)].unique()
+            words = [word for word in lettered if not (is_number(word) or is_when(word))]
+            worded += text.isin(words).to_numpy(dtype=bool)
+            speaking += text.isin([word for word in words if _is_another_name(word, column)]).to_numpy(dtype=bool)
+    filled = frame[[column.number for column in columns]].notna().sum(axis=1).to_numpy()
+    again = np.flatnonzero((speaking > 1) | ((speaking > 0) & (worded > 1) & (worded == filled)))
     if again.size:
         names = ", ".join(str(frame[column.number].iloc[again[0]]) for column in columns)
         raise UserError(
@@ -103,10 +126,8 @@ def _check_one_table(sheet: Sheet, columns: Sequence[Column], frame: pd.DataFram
 
 
 def _is_another_name(text: str, column: Column) -> bool:
-    if is_number(text) or is_when(text) or text == column.heading.text:
-        return False
     heading = read_heading(text)
-    return bool(heading.roles or heading.unit_text)
+    return text != column.heading.text and bool(heading.roles or heading.unit_text)
 
 
 def previewed(sheet: Sheet, choice: Choice, thousands: str | None = None) -> dict[str, str]:
@@ -163,6 +184,8 @@ def _note(read: Read, column: Column, cells, wrong: int | None, kind: str, decim
         return
     name, cell = column.heading.text or column.label, str(cells.iloc[wrong])
     remedy = "--drop-bad leaves such rows out"
+    if not decimal and is_unclear_day(cell):
+        remedy = "which of its numbers is the day and which the month cannot be told; write dates as 2026-03-01"
     if decimal and may_be_thousands(cell, decimal):
         mark = "," if decimal == "." else "."
         remedy = f"if {mark!r} parts thousands, say --thousands {mark}; if it is the decimal sign, --decimal {mark}"

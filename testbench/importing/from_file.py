@@ -13,7 +13,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from gcode.support.files import sha256_of
-from testbench.importing.choice import ELECTRICAL, FLAGS, NAMED, Choice, choose
+from testbench.importing.choice import ELECTRICAL, FLAGS, NAMED, Choice, check_used, choose
 from testbench.importing.columns import Read, on_main_clock, read_columns
 from testbench.importing.files.opening import open_sheet
 from testbench.importing.gauge import gauge_doubt
@@ -68,6 +68,10 @@ def import_file(path: Path, wish: Wish) -> list[Imported]:
     if choice.troubles:
         first = sheet.head[sheet.layout.first_row - 1]
         raise UserError(f"{path}: {in_words(choice.troubles, sheet.layout, first)}")
+    try:
+        check_used(choice, wish.said())
+    except UserError as error:
+        raise UserError(f"{path}: {error}") from None
     if wish.gauge_length_mm is None and STRETCH & set(choice.taken):
         raise UserError(
             f"{path}: the gauge length is not known: say --gauge-length-mm, the length between the clamps at rest"
@@ -79,11 +83,24 @@ def import_file(path: Path, wish: Wish) -> list[Imported]:
     read = read_columns(sheet, choice, wish.hints.thousands)
     if read.wrong and not wish.drop_bad:
         raise UserError(f"{path}: {read.wrong[0]}")
-    time_s = read.values.get("time", (read.rows - read.rows[0]) / float(wish.rate_hz or 1.0))
+    time_s = read.values["time"] if "time" in read.values else _at_rate(sheet, read, float(wish.rate_hz or 1.0))
     parts = _parts(sheet, choice, wish, read, time_s)
     labels = {role: choice.taken[role].column.label for role in choice.taken}
     inside = on_main_clock(sheet, read, time_s, labels, wish.sort)
+    if read.clocks and not inside.any():
+        others = ", ".join(labels[role] for role in read.clocks)
+        raise UserError(
+            f"{path}: the clocks do not overlap: at no time of {labels['time']} is there a sample of every one of "
+            f"{others}; see --time-of, or leave one of them out with none"
+        )
     return [_recorded(sheet, choice, wish, read, time_s, rows[inside[rows]], label) for label, rows in parts]
+
+
+def _at_rate(sheet: Sheet, read: Read, rate_hz: float) -> np.ndarray:
+    """The times of samples that were taken at a rate, in s: blank lines are none, rows of no use are."""
+    filled = sheet.body([column.number for column in sheet.layout.columns]).notna().any(axis=1).to_numpy()
+    sample = np.cumsum(filled)[read.rows - sheet.layout.first_row]
+    return (sample - sample[0]) / rate_hz
 
 
 def import_csv(path: Path, wish: Wish) -> Imported:
@@ -208,6 +225,7 @@ def _details(sheet: Sheet, choice: Choice, wish: Wish, done: Imported) -> dict[s
             "offset": one.unit.offset if one.unit else 0.0,
         }
         | ({"clock": _named(one.clock)} if one.clock else {})
+        | ({"days": _named(one.days)} if one.days else {})
         for role, one in choice.taken.items()
     }
     details: dict[str, Any] = {"file": sheet.path.name, "sha256": sha256_of(sheet.path), "columns": columns}

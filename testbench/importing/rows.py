@@ -14,6 +14,7 @@ from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPE
 from testbench.recordings.checks import such, within
 
 ELECTRICAL = frozenset(("resistance", "conductance"))  # negative where the sense leads are the other way round
+FAR = 10  # steps that the time falls back where another recording begins, and rows that then follow
 MOSTLY = 0.5  # of the rows negative: the resistance has the wrong sign, and no bad rows
 
 
@@ -85,6 +86,8 @@ def usable(
             first = int(np.flatnonzero(~fine)[0])
             want = "positive and finite" if name == RESISTANCE else "a finite number"
             remedy, turned = "--drop-bad leaves them out", sorted(ELECTRICAL.intersection(roles))
+            if name == TEMPERATURE:
+                remedy = "--temperature none leaves the temperature out, --drop-bad those rows"
             if name == RESISTANCE and turned and (values < 0).mean() > MOSTLY:
                 flag, given = f"--negate {turned[0]}", wish.negate & ELECTRICAL
                 remedy = f"leave {flag} out" if given else f"if its leads were the other way round, add {flag}"
@@ -107,11 +110,17 @@ def in_order(path: Path, rows: np.ndarray, time_s: np.ndarray, sort: bool) -> tu
     steps = np.diff(time_s)
     if (steps > 0).all():
         return np.arange(len(time_s)), 0, 0
-    if not sort:
-        at = int(np.flatnonzero(steps <= 0)[0]) + 1
+    again, at = _restart(time_s), int(np.flatnonzero(steps <= 0)[0]) + 1
+    if again or not sort:
+        at = again or at
+        remedy = "--sort puts rows in order and drops repeated times"
+        if again:
+            remedy = (
+                "the time starts again there, so the file holds several recordings: part it into one file each"
+                + " (--sort would put the rows of one between those of the other)" * sort
+            )
         raise UserError(
-            f"{path}: row {rows[at]}: time must increase, got {time_s[at]:g} s after {time_s[at - 1]:g} s; "
-            + _about_time(time_s, at)
+            f"{path}: row {rows[at]}: time must increase, got {time_s[at]:g} s after {time_s[at - 1]:g} s; {remedy}"
         )
     order = np.argsort(time_s, kind="stable")
     moved = int((order != np.arange(len(order))).sum())
@@ -119,11 +128,21 @@ def in_order(path: Path, rows: np.ndarray, time_s: np.ndarray, sort: bool) -> tu
     return order[first], moved, int((~first).sum())
 
 
-def _about_time(time_s: np.ndarray, at: int) -> str:
-    """Rows out of order, or a second recording below the first?"""
-    if at > 10 and time_s[at] - time_s[0] < 0.01 * (time_s[at - 1] - time_s[0]):
-        return "the time starts again there, so the file holds several recordings: part it into one file each"
-    return "--sort puts rows in order and drops repeated times"
+def _restart(time_s: np.ndarray) -> int:
+    """Where the time falls far back and rises from there among the times before; 0 where rows are but out of order.
+
+    Rows that were written late leave a gap behind them, into which they fit.
+    """
+    steps = np.diff(time_s)
+    falls = np.flatnonzero(steps < 0) + 1
+    far = FAR * float(np.median(steps[steps > 0])) if (steps > 0).any() else np.inf
+    for begin, at, end in zip([0, *falls], falls, [*falls[1:], len(time_s)], strict=False):
+        before, behind = time_s[begin:at], time_s[at:end]
+        behind = behind[behind <= before[-1]]
+        between = before[(before > behind[0]) & (before < behind[-1])] if len(behind) else behind
+        if before[-1] - time_s[at] > far and len(behind) > FAR and len(between):
+            return int(at)
+    return 0
 
 
 def repeats_of(counter: np.ndarray, time_s: np.ndarray) -> list[tuple[str, np.ndarray]]:

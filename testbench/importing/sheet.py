@@ -7,12 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gcode.support.errors import UserError
+
 if TYPE_CHECKING:
     import pandas as pd
 
     from testbench.importing.layout import Layout
 
 HEAD_ROWS = 200
+_SIGNS = {"decimal": ",."}
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,17 @@ class Hints:
     sheet: str | None = None
     header_row: int | None = None
     units_row: int | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("decimal", "thousands", "separator", "encoding", "sheet"):
+            text, allowed = getattr(self, name), _SIGNS.get(name)
+            if text is not None and (not isinstance(text, str) or (allowed and text not in allowed)):
+                must = f"one of {' '.join(map(repr, allowed))}" if allowed else "a text"
+                raise UserError(f"{name}: must be {must}, got {text!r}; leave it out where it is to be found")
+        for name in ("header_row", "units_row"):
+            row = getattr(self, name)
+            if row is not None and not isinstance(row, int):
+                raise UserError(f"{name}: must be a row of the file counting from 1, or 0 for none, got {row!r}")
 
     @property
     def decimal_said(self) -> str | None:

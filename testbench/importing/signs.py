@@ -114,13 +114,20 @@ def _doubts_of_both(moved_mm: np.ndarray, force_N: np.ndarray, negated: frozense
     if backwards and slackens and related > -AGAINST:
         return [
             "displacement and force both fall from their first sample: if this is a stretch and no squeeze, "
-            "add --negate displacement force"
+            + _turn_both(negated)
         ]
     return []
 
 
 def _turn(role: str, negated: frozenset[str]) -> str:
     return f"leave --negate {role} out" if role in negated else f"add --negate {role}"
+
+
+def _turn_both(negated: frozenset[str]) -> str:
+    both = ("displacement", "force")
+    if len({role in negated for role in both}) == 1:
+        return _turn(both[0], negated).replace(both[0], " ".join(both))
+    return " and ".join(_turn(role, negated) for role in both)
 
 
 def _leans_back(values: np.ndarray) -> bool:

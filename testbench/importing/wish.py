@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from dataclasses import dataclass, field
+from numbers import Real
 
+from gcode.support.errors import UserError
 from testbench.importing.choice import NOT_THERE, Said
 from testbench.importing.sheet import Hints
+from testbench.importing.vocabulary.roles import ROLES
 
 
 @dataclass(frozen=True)
@@ -60,6 +63,20 @@ class Wish:
     drop_bad: bool = False
     hints: Hints = field(default_factory=Hints)
 
+    def __post_init__(self) -> None:
+        for name in ("columns", "units", "time_of", "zero"):
+            _check_by_role(name, getattr(self, name), or_none=name == "zero")
+        if not isinstance(self.negate, Set):
+            raise UserError(f"negate: must be a set of roles such as {{'force'}}, got {self.negate!r}")
+        for name in ("rate_hz", "r0_ohm"):
+            value = getattr(self, name)
+            if value is not None and not (_is_number(value) and 0 < value < float("inf")):
+                raise UserError(
+                    f"{name}: must be a positive number, got {value!r}; leave it out where it is not known"
+                )
+        if not isinstance(self.hints, Hints):
+            raise UserError(f"hints: must be a testbench.Hints, got {self.hints!r}; tb.Hints(decimal=',')")
+
     def said(self) -> Said:
         """What it says about columns."""
         return Said(self.columns, self.units, self.time_of, self.rate_hz is not None, self.r0_ohm is not None)
@@ -68,3 +85,19 @@ class Wish:
         """Columns that were given by name."""
         every = [*self.columns.values(), *self.time_of.values()]
         return [name for name in dict.fromkeys(every) if name != NOT_THERE and not name.strip().isdigit()]
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def _check_by_role(name: str, given: object, or_none: bool) -> None:
+    """What is said by role must be texts, of roles that there are."""
+    if not isinstance(given, Mapping):
+        raise UserError(f"{name}: must be a mapping of roles to texts such as {{'force': '3'}}, got {given!r}")
+    roles = [role for role in ROLES if name != "time_of" or role != "time"]
+    for role, text in given.items():
+        if role not in roles:
+            raise UserError(f"{name}: can be said of {', '.join(roles)}, got {role!r}")
+        if not isinstance(text, str) and not (or_none and text is None):
+            raise UserError(f"{name}: {role} must be a text such as {str(text)!r}, got {text!r}")

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
+from math import isfinite
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 
 from gcode.support.errors import UserError, first_problem
 from gcode.support.strict import StrictModel, read_toml
@@ -18,6 +19,7 @@ Seed = Annotated[int, Field(ge=0, lt=1 << 63)]
 Seeds = Annotated[tuple[Seed, ...], Field(min_length=1, max_length=MOST_CAMPAIGNS)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Rest = Annotated[float, Field(ge=0, le=1e5, allow_inf_nan=False)]
+Range = tuple[float, float]
 
 
 class _Seeded(StrictModel):
@@ -87,13 +89,21 @@ class DatasetSpec(_Seeded):
     effects: str | None = None
     same_sensor: bool = False
     rest_s: Rest = DEFAULT_REST_S
-    vary: dict[str, tuple[float, float]] = Field(default_factory=dict)
+    vary: dict[str, Range] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _one_kind_of_program(self) -> DatasetSpec:
         if bool(self.programs) == (self.trajectory is not None):
             raise ValueError("give either programs or a table [trajectory]")
         return self
+
+    @field_validator("vary")
+    @classmethod
+    def _ranges_rise(cls, vary: dict[str, Range]) -> dict[str, Range]:
+        for address, (low, high) in vary.items():
+            if not low <= high or not isfinite(high - low):
+                raise ValueError(f"{address} must be [low, high], finite and low first, got [{low:g}, {high:g}]")
+        return vary
 
 
 def read_spec(path: Path) -> DatasetSpec:

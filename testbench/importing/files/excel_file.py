@@ -6,7 +6,7 @@ import datetime
 import re
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.etree.ElementTree import ParseError
@@ -14,8 +14,9 @@ from xml.etree.ElementTree import ParseError
 from gcode.support.errors import UserError
 from testbench.importing.files import unpacking
 from testbench.importing.files.unpacking import BROKEN, check_unpacked
-from testbench.importing.layout import find_layout
+from testbench.importing.layout import Column, find_layout
 from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
+from testbench.importing.vocabulary.laboratory_units import units_spelt
 from testbench.importing.vocabulary.notation import decimal_sign, is_number
 
 if TYPE_CHECKING:
@@ -26,6 +27,21 @@ _LITERAL = re.compile(
     r'"[^"]*"|\\.|\[[^\]]*\]'
 )  # of a number format: what is shown as it stands, colours, conditions
 _BY_THOUSAND = re.compile(r"[0#?](,+)(?![0#?,])")  # a comma with no digit behind it
+PER_CENT, THOUSANDS = "%", "thousands"
+
+
+class _Scaled(float):
+    """A number as the sheet shows it, with the one that the cell holds and what the format makes of that."""
+
+    stored: float
+    shown_in: str
+
+    @classmethod
+    def of(cls, stored: float, shown: float, shown_in: str) -> _Scaled:
+        """The number `shown`, for which the cell holds `stored`."""
+        made = cls(shown)
+        made.stored, made.shown_in = stored, shown_in
+        return made
 
 
 @dataclass(frozen=True)
@@ -64,10 +80,35 @@ def open_excel(path: Path, wanted: Sequence[str], hints: Hints) -> ExcelSheet:
         raise UserError(f"{path}: no rows of numbers in {_sheets(sheets)}; see --header-row")
     if len(found) > 1:
         raise UserError(f"{path}: {_sheets(found)} have tables; say which one with --sheet NAME")
-    name, (head, layout, rows) = next(iter(found.items()))
+    name, (_, layout, rows) = next(iter(found.items()))
+    body = rows[layout.first_row - 1 :]
+    layout = replace(layout, columns=tuple(_as_meant(column, body) for column in layout.columns))
+    head = [[_shown(cell) for cell in row] for row in rows[:HEAD_ROWS]]
     lines = ["\t".join(cells) for cells in head]
-    decimal = hints.decimal_said or _decimal(path, rows[layout.first_row - 1 :][:HEAD_ROWS])
+    decimal = hints.decimal_said or _decimal(path, body[:HEAD_ROWS])
     return ExcelSheet(path, head, lines, layout, decimal, {"sheet": name, "decimal": decimal}, rows)
+
+
+def _as_meant(column: Column, rows: Sequence[list[Any]]) -> Column:
+    """A column with the unit that its numbers are shown in, which a format may change; a ratio of 1 stays as stored.
+
+    Beside any other unit, nobody can tell whether it is of the numbers shown or of those stored: then none is known.
+    """
+    place = column.number - 1
+    cells = [row[place] for row in rows if place < len(row)]
+    forms = {getattr(cell, "shown_in", "") for cell in cells if isinstance(cell, int | float) and cell}
+    if not any(forms):
+        return column
+    ratio = next((unit.symbol for unit in units_spelt(column.unit_text) if unit.quantity == "ratio"), "")
+    if forms == {PER_CENT} and (not column.unit_text or ratio == PER_CENT):
+        return replace(column, unit_text=PER_CENT, unit_from=column.unit_from or "the format of its cells")
+    if forms == {PER_CENT} and ratio == "1":
+        for row in rows:
+            if place < len(row) and isinstance(row[place], _Scaled):
+                row[place] = row[place].stored
+        return column
+    shown = " or ".join(sorted(form or "other formats" for form in forms))
+    return replace(column, unit_text=f"{column.unit_text} shown in {shown}".strip())
 
 
 def _decimal(path: Path, rows: Sequence[Cells]) -> str:
@@ -87,7 +128,7 @@ def _sheets(sheets: dict[str, Any]) -> str:
     return f"the sheet{'s' if len(sheets) > 1 else ''} {', '.join(map(repr, sheets))}"
 
 
-def _read(path: Path, wanted: str | None) -> dict[str, list[Cells]]:
+def _read(path: Path, wanted: str | None) -> dict[str, list[list[Any]]]:
     import openpyxl
     from openpyxl.utils.exceptions import InvalidFileException
 
@@ -111,11 +152,11 @@ def _read(path: Path, wanted: str | None) -> dict[str, list[Cells]]:
         book.close()
 
 
-def _rows(path: Path, sheet: Any) -> list[Cells]:
+def _rows(path: Path, sheet: Any) -> list[list[Any]]:
     """The values as the sheet shows them: ``0 %`` shows 0.5 as 50 %, and ``#,##0,`` shows 47000 as 47."""
     from openpyxl.cell.read_only import EMPTY_CELL
 
-    rows: list[Cells] = []
+    rows: list[list[Any]] = []
     count = 0
     # What a sheet says of its size would fill every row up to there.
     sheet.reset_dimensions()
@@ -132,12 +173,14 @@ def _rows(path: Path, sheet: Any) -> list[Cells]:
 
 
 def _value(cell: Any) -> Any:
+    """What a cell holds; a number that its format shows a hundred or thousand times another as it is shown."""
     if not isinstance(cell.value, int | float) or isinstance(cell.value, bool):
         return cell.value
     form = _LITERAL.sub("", str(cell.number_format or "").partition(";")[0])
-    thousands = _BY_THOUSAND.search(form)
-    value = cell.value / 1000 ** len(thousands[1]) if thousands else cell.value
-    return 100 * value if "%" in form else value
+    if thousands := _BY_THOUSAND.search(form):
+        factor = (100 if "%" in form else 1) / 1000 ** len(thousands[1])
+        return _Scaled.of(cell.value, cell.value * factor, THOUSANDS)
+    return _Scaled.of(cell.value, 100 * cell.value, PER_CENT) if "%" in form else cell.value
 
 
 def _shown(cell: Any) -> str:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import mode
 from typing import TYPE_CHECKING
 
 from gcode.support.errors import UserError
@@ -53,13 +54,21 @@ class TextSheet(Sheet):
         import pandas as pd
 
         wanted = sorted(set(numbers))
+        ends = {self._usual} - {0, *wanted}
         try:
-            return self._marked(self._read([*wanted, len(self.layout.columns) + 1]))
+            return self._marked(self._read(sorted({*wanted, *ends, len(self.layout.columns) + 1}), ends), wanted)
         except (pd.errors.ParserError, UnicodeError) as error:
             said = in_words(error, self.layout.first_row - 1)
             raise UserError(f"{self.path}: {said}; check the export, or name --separator") from None
 
-    def _read(self, numbers: list[int]) -> pd.DataFrame:
+    @property
+    def _usual(self) -> int:
+        """How many cells most rows have where blanks part them; 0 where a cell that is missing leaves a gap."""
+        counts = [len(cells) for cells in self.head[self.layout.first_row - 1 :] if cells]
+        return mode(counts) if self.separator == BLANKS and counts else 0
+
+    def _read(self, numbers: list[int], lengths: set[int]) -> pd.DataFrame:
+        """The columns with these numbers; of the cells of some, no more than how long they are."""
         import pandas as pd
 
         names = list(range(max(numbers)))
@@ -73,6 +82,7 @@ class TextSheet(Sheet):
                 header=0,
                 names=names,
                 usecols=[number - 1 for number in numbers],
+                converters={number - 1: len for number in lengths},
                 skip_blank_lines=False,
                 skipinitialspace=True,
                 index_col=False,
@@ -80,21 +90,29 @@ class TextSheet(Sheet):
             )
         return frame.set_axis(numbers, axis=1)
 
-    def _marked(self, frame: pd.DataFrame) -> pd.DataFrame:
-        """`frame` without its last column, which holds what stands beyond the others: a remark, or a number.
+    def _marked(self, frame: pd.DataFrame, wanted: list[int]) -> pd.DataFrame:
+        """The `wanted` columns, in which a row whose cells may stand in columns that are not theirs is no number.
 
-        Where it is a number, one before it was parted in two, as ``1,5`` is by commas, and the cells behind stand in
-        columns that are not theirs. The first cell of such a row becomes the row as it came, which is no number.
+        Where there is a number beyond the last column, one before it was parted in two, as ``1,5`` is by commas.
+        Where blanks part the cells and there are fewer than in other rows, those behind a missing one have moved up.
+        The first cell of such a row becomes the row as it came.
         """
         import pandas as pd
 
-        *columns, beyond = frame.columns
+        first, beyond = wanted[0], len(self.layout.columns) + 1
         shifted = pd.to_numeric(frame[beyond], errors="coerce").notna()
+        short = pd.Series(False, index=frame.index)
+        if self._usual in frame and self._usual not in wanted:
+            short = (frame[self._usual] == 0) & frame[wanted].notna().any(axis=1)
+        frame = frame.astype({first: object}) if (shifted | short).any() else frame
         if shifted.any():
-            rows = frame[shifted].astype(str).agg(self.separator.join, axis=1)
-            frame = frame.astype({columns[0]: object})
-            frame.loc[shifted, columns[0]] = rows
-        return frame[columns]
+            frame.loc[shifted, first] = frame[shifted].astype(str).agg(self.separator.join, axis=1)
+        if short.any():
+            frame.loc[short, first] = frame.loc[short, wanted].astype(str).agg(" ".join, axis=1).map(self._too_few)
+        return frame[wanted]
+
+    def _too_few(self, row: str) -> str:
+        return f"{row.replace(' nan', '')} (fewer than {self._usual} cells)"
 
 
 def open_text(path: Path, wanted: Sequence[str], hints: Hints) -> TextSheet:

@@ -28,6 +28,9 @@ _DATE = re.compile(
 )
 # 10:15:30.5, with AM or PM behind it; or minutes and seconds, 15:30.5
 _CLOCK = re.compile(r"^(?:(\d{1,3}):(\d{2}):(\d{2}(?:[.,]\d+)?)(?: ?([AaPp])\.?[Mm]\.?)?|(\d{1,3}):(\d{2}[.,]\d+))$")
+# 01/03/2026, 01-03-26: the day or the month may come first, and of 26-03-01 even the year.
+_UNCLEAR_DAY = re.compile(r"^(\d{1,2}([/-])\d{1,2}\2\d{2}(?:\d{2})?)(?!\d)")
+_MIDNIGHT = re.compile(r"[T ]+0{1,2}:00(:00([.,]0+)?)?$")
 HALF_DAY_S = 43_200.0
 MISSING = {"", "nan", "na", "n/a", "-", "--", "---", "null", "none", "inf", "-inf", "#n/a"}
 
@@ -47,6 +50,22 @@ def is_when(text: str) -> bool:
     """Whether a cell is a date, a date and time, or a time of day with seconds."""
     text = text.strip()
     return bool(_DATE.match(text) or _CLOCK.match(text))
+
+
+def is_time_of_day(text: str) -> bool:
+    """Whether a cell is a time of day, with seconds, that does not say of which day."""
+    return bool(_CLOCK.match(text.strip()))
+
+
+def is_day(text: str) -> bool:
+    """Whether a cell is a date without a time of day (or at midnight, as spreadsheets write it)."""
+    text = text.strip()
+    return bool(_DATE.match(text)) and ":" not in _MIDNIGHT.sub("", text)
+
+
+def is_unclear_day(text: str) -> bool:
+    """Whether nobody can tell day and month of a date apart: ``01/03/2026``, ``01-03-26``."""
+    return bool(_UNCLEAR_DAY.match(text.strip()))
 
 
 def decimal_sign(cells: Iterable[str]) -> str | None:
@@ -115,8 +134,8 @@ def numbers(cells: pd.Series, decimal: str, thousands: str | None = None) -> tup
 def seconds(cells: pd.Series) -> tuple[np.ndarray, int | None]:
     """Dates and times as seconds since the first one, and the place of the first cell that is none.
 
-    ``01.03.2026`` is the first of March (points part day, month and year); of ``01/03/2026`` nobody can tell: where
-    such dates differ within a file they are refused, as if they were no dates.
+    ``01.03.2026`` is the first of March (points part day, month and year); of ``01/03/2026`` and ``01-03-2026``
+    nobody can tell: where such dates differ within a file they are refused, as if they were no dates.
     """
     import pandas as pd
 
@@ -129,7 +148,8 @@ def seconds(cells: pd.Series) -> tuple[np.ndarray, int | None]:
         text = text.mask(text == "")
         clock = text.str.extract(_CLOCK.pattern)
         if 2 * clock.notna().any(axis=1).sum() >= text.notna().sum() > 0:
-            return _times_of_day(text, clock)
+            of_day, first_wrong = _times_of_day(text, clock)
+            return _past_midnight(of_day), first_wrong
         when = _dates(text)
     wrong = np.flatnonzero((when.isna() & cells.notna()).to_numpy())
     since = (when - when.min()).dt.total_seconds()
@@ -146,7 +166,31 @@ def _times_of_day(text: pd.Series, clock: pd.DataFrame) -> tuple[np.ndarray, int
     hours = np.where(half.notna(), hours % 12 + 12 * afternoon, hours)
     since = np.where(np.isnan(few), 3600 * hours + 60 * minutes + rest, 60 * few + short)
     wrong = np.flatnonzero(np.isnan(since) & text.notna().to_numpy())
-    return _past_midnight(since), int(wrong[0]) if wrong.size else None
+    return since, int(wrong[0]) if wrong.size else None
+
+
+def seconds_of_days(cells: pd.Series, days: pd.Series) -> tuple[np.ndarray, int | None, int | None]:
+    """Times of day in `cells` on the `days` beside them, as seconds since midnight of the first day.
+
+    Where all days are the same one, it may be that of the beginning: then midnights are counted as without it.
+
+    Returns
+    -------
+    since : ndarray, shape (n,)
+    wrong, wrong_day : int or None
+        Place of the first cell that is no time of day, and of the first that is no date.
+    """
+    if cells.dtype.kind == "m":
+        since, wrong = seconds(cells)
+    else:
+        text = cells.astype("string").str.strip()
+        text = text.mask(text == "")
+        since, wrong = _times_of_day(text, text.str.extract(_CLOCK.pattern))
+    day_s, wrong_day = seconds(days)
+    there = np.isfinite(day_s)
+    if not there.any() or np.ptp(day_s[there]) == 0:
+        return _past_midnight(np.where(there, since, np.nan)), wrong, wrong_day
+    return since + day_s, wrong, wrong_day
 
 
 def _past_midnight(since: np.ndarray) -> np.ndarray:
@@ -160,9 +204,9 @@ def _past_midnight(since: np.ndarray) -> np.ndarray:
 def _dates(text: pd.Series) -> pd.Series:
     import pandas as pd
 
-    slashed = text.str.extract(r"^(\d{1,2}/\d{1,2}/\d{2,4})")[0]
-    if slashed.nunique() > 1:
-        text = text.mask(slashed.notna(), "?")
+    unclear = text.str.extract(_UNCLEAR_DAY.pattern)[0]
+    if unclear.nunique() > 1:
+        text = text.mask(unclear.notna(), "?")
     pointed = text.str.match(r"^\d{1,2}\.\d{1,2}\.\d{2,4}", na=False)
     first = bool(pointed.any())
     text = text.str.replace(r"(:\d{2}),(\d+)", r"\1.\2", regex=True)

@@ -109,6 +109,8 @@ _ABOUT = frozenset(
         "adc",
         "stiffness",
         "density",
+        "shunt",
+        "series",
     ]
 )
 _ABOUT_PARTS = (
@@ -116,6 +118,11 @@ _ABOUT_PARTS = (
     "应力", "速度", "速率", "循环", "次数", "最大", "最小", "设定", "目标", "编号",
     "應力", "循環", "次數", "設定", "目標", "編號",
 )  # fmt: skip
+# Of an index behind R: the resistance at rest, or another one of the circuit, and not the one that is measured.
+_NOT_MEASURED = frozenset(["0", "o", "ref", "init", "initial", "rest", "shunt", "series", "load"])
+# A strain that is not the nominal one along the sensor: of the length at the time, or across.
+_NOT_NOMINAL = frozenset(["true", "log", "logarithmic", "hencky", "transverse", "lateral"])
+_NOT_NOMINAL_PARTS = ("quer", "wahre", "logarithm", "hencky", "真", "对数", "對數", "横向", "橫向")
 _NOT_ALONE = ("力矩", "动力", "動力", "应力", "應力")
 _GENERIC = re.compile(
     r"^(ch(annel)?|kanal|ai|analog(ue)?[ _]?in(put)?|sensor|signal|value|wert|column|spalte|y|通道)?[ _#.:-]*\d*$",
@@ -152,7 +159,7 @@ def roles_of(base: str, whole: str) -> dict[str, int]:
     found: dict[str, int] = {}
     for role in _ENGLISH:
         strength = max(_by_word(role, base, whole), _by_symbol(role, base))
-        if strength:
+        if strength and not (role == "strain" and _is_not_nominal(whole)):
             found[role] = strength
     strongest = max(found.values(), default=0)
     return {role: strength for role, strength in found.items() if strength == strongest}
@@ -174,8 +181,17 @@ def _by_word(role: str, base: str, whole: str) -> int:
 
 def _by_symbol(role: str, base: str) -> int:
     """A formula's letter alone, or with an index behind it (``t_R``, ``R_inner``, ``F1``)."""
-    found = re.match(r"^([A-Za-zΔδεϑθ]+?)(?:[_ ]\w+|\d+)?$", base.strip())
-    return SYMBOL if found and found[1] in _SYMBOLS[role] else 0
+    found = re.match(r"^([A-Za-zΔδεϑθ]+?)(?:[_ ](\w+)|(\d+))?$", base.strip())
+    if not found or found[1] not in _SYMBOLS[role]:
+        return 0
+    index = (found[2] or found[3] or "").casefold()
+    return 0 if role == "resistance" and index in _NOT_MEASURED else SYMBOL
+
+
+def is_letter(base: str) -> bool:
+    """Whether a name is a formula's letter, alone or numbered (``R``, ``R2``), with no word behind it."""
+    found = re.match(r"^([^\W\d_]+)[ _]?\d*$", base.strip())
+    return found is not None and any(found[1] in symbols for symbols in _SYMBOLS.values())
 
 
 def speaks_about(whole: str, role: str = "") -> bool:
@@ -186,6 +202,12 @@ def speaks_about(whole: str, role: str = "") -> bool:
     text = whole.casefold()
     rate = {"rate"} if role == "relative_change" else set()
     return bool((_ABOUT - rate) & set(words_of(whole))) or any(part in text for part in _ABOUT_PARTS)
+
+
+def _is_not_nominal(whole: str) -> bool:
+    """Whether a strain is another than the nominal one, on which every model here is built."""
+    text = whole.casefold()
+    return bool(_NOT_NOMINAL & set(words_of(whole))) or any(part in text for part in _NOT_NOMINAL_PARTS)
 
 
 def is_generic(base: str) -> bool:

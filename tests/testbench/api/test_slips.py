@@ -19,6 +19,14 @@ SLIPS = {
         lambda: tb.read(pd.DataFrame(TIMES | {"force_N": ["1,5", "2,0", "1,5"]}), 25),
         "read: force_N must be numbers, could not convert string to float: '1,5'",
     ),
+    "a number beyond all others": (
+        lambda: tb.read(TIMES | {"force_N": [0, 10**400, 2]}, 25),
+        "read: force_N must be numbers, int too large to convert to float",
+    ),
+    "a sample that is masked": (
+        lambda: tb.read(TIMES | {"force_N": np.ma.array([0, 1, 2], mask=[False, True, False])}, 25),
+        "nan",
+    ),
     "a table in a column": (
         lambda: tb.read(TIMES | {"force_N": [[0, 1, 2]]}, 25),
         "got shape (1, 3)",

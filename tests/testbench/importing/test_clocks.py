@@ -75,3 +75,12 @@ def test_repeats_become_recordings_of_their_own(tmp_path):
     assert main(["import", str(path), "--gauge-length-mm", "40", "--repeat", "2", "-o", str(tmp_path / "two")]) == 0
     assert read_recording(tmp_path / "two")["displacement_mm"][0] == 2
     assert main(["import", str(path), "--gauge-length-mm", "40", "--repeat", "7", "-o", str(tmp_path / "no")]) == 2
+
+
+def test_clocks_that_do_not_overlap_are_told(tmp_path):
+    late = "".join(f"{t:.2f},{900 + t:.2f},{t + 60:.2f},{t:.2f}\n" for t in np.arange(0, 2, 0.1))
+    (tmp_path / "lab.csv").write_text("t_R [s],R [ohm],t_F [s],F [N]\n" + late)
+    with pytest.raises(
+        UserError, match=r"the clocks do not overlap: at no time of column 1 't_R .s.' is there a sample"
+    ):
+        import_csv(tmp_path / "lab.csv", Wish(40.0, drop_bad=True))

@@ -26,7 +26,8 @@ UNITS = {"time": "s", "displacement": "mm", "force": "N", "resistance": "ohm"}
 def wish(columns=None, units=None, **changes):
     """All four columns and their units; None in `columns` leaves one out."""
     named = {role: name for role, name in (COLUMNS | (columns or {})).items() if name is not None}
-    return Wish(**({"gauge_length_mm": 40.0, "columns": named, "units": UNITS | (units or {})} | changes))
+    spoken = {role: unit for role, unit in UNITS.items() if named.get(role, "none") != "none"} | (units or {})
+    return Wish(**({"gauge_length_mm": 40.0, "columns": named, "units": spoken} | changes))
 
 
 def written(folder, text, encoding="utf-8"):
@@ -106,10 +107,9 @@ NO_R = {"resistance": None}
 
 
 def test_strain_conductance_and_relative_resistance(tmp_path):
-    units = {"strain": "%", "conductance": "uS"}
-    recording = imported(tmp_path, GOOD, columns={"displacement": None, "strain": "x"}, units=units)
+    recording = imported(tmp_path, GOOD, columns={"displacement": None, "strain": "x"}, units={"strain": "%"})
     assert recording["displacement_mm"].tolist() == pytest.approx([0, 0.2, 0.4])
-    recording = imported(tmp_path, GOOD, columns=NO_R | {"conductance": "R"}, units=units)
+    recording = imported(tmp_path, GOOD, columns=NO_R | {"conductance": "R"}, units={"conductance": "uS"})
     assert recording.conductance_S.tolist() == pytest.approx([1e-3, 9e-4, 8e-4])
     recording = imported(tmp_path, GOOD, columns=NO_R | {"relative_change": "x"}, r0_ohm=100.0)
     assert recording["resistance_ohm"].tolist() == [100, 150, 200]

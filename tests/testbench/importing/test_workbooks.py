@@ -17,25 +17,54 @@ def test_excel_is_read_as_it_is_shown(tmp_path):
     exports.check_same(import_csv(exports.workbook(tmp_path), Wish(40.0)).recording)
 
 
-def written_workbook(folder: Path, values: list, number_format: str = "General") -> Path:
+def written_workbook(
+    folder: Path, values: list, formats: str | list[str] = "General", name: str = "R (kOhm)"
+) -> Path:
     import openpyxl
 
     book = openpyxl.Workbook()
-    book.active.append(["Time (s)", "Extension (mm)", "R (kOhm)"])
+    book.active.append(["Time (s)", "Extension (mm)", name])
     for at, value in enumerate(values):
         book.active.append([at, 0.5 * at, value])
-        book.active.cell(at + 2, 3).number_format = number_format
+        book.active.cell(at + 2, 3).number_format = formats if isinstance(formats, str) else formats[at]
     book.save(folder / "lab.xlsx")
     return folder / "lab.xlsx"
 
 
-@pytest.mark.parametrize(
-    ("form", "shown"), [("#,##0.0,", 47_000), ('0.0,,"M"', 47), ("#,##0.0", 47e6), ('0.0 "a,"', 47e6), ("0%", 47e8)]
-)
-def test_a_number_is_what_the_sheet_shows(tmp_path, form, shown):
-    """A header that says kOhm is of what stands there: a format may show a thousandth of what the cell holds."""
+@pytest.mark.parametrize("form", ["#,##0.0", '0.0 "a,"', '0 "%"'])
+def test_a_format_that_shows_the_number_itself_changes_nothing(tmp_path, form):
     recording = import_csv(written_workbook(tmp_path, [47e3, 46e3, 45e3], form), Wish(40.0)).recording
-    assert recording["resistance_ohm"][0] == pytest.approx(shown)
+    assert recording["resistance_ohm"][0] == pytest.approx(47e6)
+
+
+@pytest.mark.parametrize(
+    ("form", "shown_in"), [("#,##0.0,", "thousands"), ('0.0,,"M"', "thousands"), ("0%", "%"), ("0.0,%", "thousands")]
+)
+def test_beside_a_format_that_scales_a_unit_says_nothing(tmp_path, form, shown_in):
+    """R (kOhm), 47000 shown as 47: whether the header is of the numbers that are shown, nobody can tell."""
+    path = written_workbook(tmp_path, [47e3, 46e3, 45e3], form)
+    with pytest.raises(UserError, match=f"its unit 'kOhm shown in {shown_in}' cannot be read.*--resistance-unit"):
+        import_csv(path, Wish(40.0))
+
+
+def test_where_the_unit_is_said_it_is_of_the_numbers_that_are_shown(tmp_path):
+    path = written_workbook(tmp_path, [47e3, 46e3, 45e3], "#,##0.0,")
+    recording = import_csv(path, Wish(40.0, units={"resistance": "kOhm"})).recording
+    assert recording["resistance_ohm"][0] == pytest.approx(47e3)
+
+
+@pytest.mark.parametrize("name", ["dR/R0", "dR/R0 (%)", "dR/R0 (-)", "dR/R0 [1]", "dR/R0 (ohm/ohm)"])
+def test_percent_of_a_ratio_are_of_one(tmp_path, name):
+    """0.039 that is shown as 3.9 % was read as 3.9 where the header says no unit, or 1."""
+    path = written_workbook(tmp_path, [0.0, 0.039, 0.02], "0.0%", name)
+    recording = import_csv(path, Wish(40.0, r0_ohm=1000.0)).recording
+    assert recording["resistance_ohm"].tolist() == pytest.approx([1000, 1039, 1020])
+
+
+def test_a_column_that_is_shown_in_percent_here_and_there_has_no_unit(tmp_path):
+    path = written_workbook(tmp_path, [0.01, 0.039, 0.02], ["0%", "General", "0%"], "dR/R0")
+    with pytest.raises(UserError, match="its unit 'shown in % or other formats' cannot be read as one"):
+        import_csv(path, Wish(40.0, r0_ohm=1000.0))
 
 
 def test_numbers_that_a_workbook_holds_as_text(tmp_path):

@@ -164,6 +164,10 @@ def test_a_data_set_may_use_effects_of_ones_own(tmp_path):
         ('sensors=["wool"]\nseeds=[1]\nprograms=["two_*.tap"]', "no sensor preset called wool"),
         ('sensors=["pes"]\nseeds=[1]\nprograms=["nothing.tap"]', "no such program"),
         (
+            'sensors=["pes"]\nseeds=[1]\nprograms=["two_*.tap"]\nvary={"elasticity.stiffness_N"=[9,5]}',
+            r"elasticity.stiffness_N must be \[low, high\], finite and low first, got \[9, 5\]",
+        ),
+        (
             'sensors=["pes"]\nseeds=[1]\nprograms=["two_*.tap"]\nvary={"elasticity.stiffness_N"=[1e9,1e9]}',
             "vary, seed 1",
         ),

@@ -1,0 +1,80 @@
+"""Dates and times of day: which number is the day, and which day a time of day is of."""
+
+from __future__ import annotations
+
+import pytest
+
+from gcode.support.errors import UserError
+from testbench.importing.from_file import import_csv
+from testbench.importing.wish import Wish
+
+
+def table(folder, names, whens):
+    rows = [f"{when},{0.1 * n:.1f},{0.2 * n:.1f}" for n, when in enumerate(whens)]
+    path = folder / "lab.csv"
+    path.write_text("\n".join([f"{names},Displacement (mm),Force (N)", *rows]) + "\n")
+    return path
+
+
+def time_of(path, **more):
+    return import_csv(path, Wish(40.0, **more)).recording.time_s.tolist()
+
+
+@pytest.mark.parametrize(
+    "days",
+    [("01-03-2026", "02-03-2026"), ("01-03-26", "02-03-26"), ("26-03-01", "26-03-02"), ("01/03/26", "02/03/26")],
+)
+def test_where_day_and_month_cannot_be_told_apart_a_change_of_them_is_refused(tmp_path, days):
+    """One midnight became 30 days."""
+    whens = [f"{days[0]} 23:59:59.0", f"{days[0]} 23:59:59.5", f"{days[1]} 00:00:00.0"]
+    path = table(tmp_path, "Time", whens)
+    with pytest.raises(UserError, match=f"row 2: Time must be a date and time.*{days[0]}.*write dates as 2026-03-01"):
+        time_of(path)
+    same = [f"{days[0]} 12:00:0{n}.0" for n in range(3)]
+    assert time_of(table(tmp_path, "Time", same)) == [0, 1, 2]
+
+
+@pytest.mark.parametrize("days", [("2026-03-01", "2026-03-02"), ("01.03.2026", "02.03.2026"), ("1.3.26", "2.3.26")])
+def test_the_days_beside_times_of_day_are_joined(tmp_path, days):
+    """20 rows on one day and 20 on the next lasted an hour."""
+    whens = [f"{days[0]},10:00:00.0", f"{days[0]},10:00:01.0", f"{days[1]},11:00:00.0"]
+    done = import_csv(table(tmp_path, "Date,Time", whens), Wish(40.0))
+    assert done.recording.time_s.tolist() == [0, 1, 90_000]
+    assert "of the days in column 1 'Date'" in done.taken["time"]
+    assert done.details["columns"]["time"]["days"] == "Date"
+
+
+def test_a_midnight_is_counted_once_with_days_and_where_the_day_stays_that_of_the_beginning(tmp_path):
+    times = ["23:59:59.0", "23:59:59.5", "00:00:00.5"]
+    for days in (["2026-03-01"] * 2 + ["2026-03-02"], ["2026-03-01"] * 3, ["01/03/2026"] * 3):
+        whens = [f"{day},{time}" for day, time in zip(days, times, strict=True)]
+        assert time_of(table(tmp_path, "Date,Time", whens)) == [0, 0.5, 1.5]
+
+
+def test_days_that_cannot_be_told_or_are_none_are_named(tmp_path):
+    whens = ["01/03/2026,10:00:00", "02/03/2026,10:00:01", "02/03/2026,10:00:02"]
+    with pytest.raises(
+        UserError, match="row 2: Date must be a date, got '01/03/2026'; which of its numbers is the day"
+    ):
+        time_of(table(tmp_path, "Date,Time", whens))
+    whens = ["2026-03-01,10:00:00", "yesterday,10:00:01", "2026-03-01,10:00:02", "2026-03-01,10:00:03"]
+    path = table(tmp_path, "Date,Time", whens)
+    with pytest.raises(UserError, match="row 3: Date must be a date, got 'yesterday'; --drop-bad"):
+        time_of(path)
+    assert time_of(path, drop_bad=True) == [0, 2, 3]
+    whens = [f"2026-03-01,2026-01-01,10:00:0{n}" for n in range(3)]
+    with pytest.raises(UserError, match="'Date' and column 2 'Calibrated' have dates: which are its days cannot be"):
+        time_of(table(tmp_path, "Date,Calibrated,Time", whens))
+
+
+def test_days_and_times_of_a_workbook(tmp_path):
+    import datetime
+
+    import openpyxl
+
+    book = openpyxl.Workbook()
+    book.active.append(["Date", "Time", "Displacement (mm)", "Force (N)"])
+    for n, (day, hour) in enumerate([(1, 10), (1, 11), (2, 10)]):
+        book.active.append([datetime.date(2026, 3, day), datetime.time(hour), 0.1 * n, 0.2 * n])
+    book.save(tmp_path / "lab.xlsx")
+    assert time_of(tmp_path / "lab.xlsx") == [0, 3600, 86_400]

@@ -1,0 +1,115 @@
+"""What a column is taken for where its name speaks of something near: another resistance, another strain."""
+
+from __future__ import annotations
+
+import pytest
+
+from gcode.support.errors import UserError
+from testbench.importing.from_file import import_csv
+from testbench.importing.sheet import Hints
+from testbench.importing.wish import Wish
+
+
+def table(folder, *names):
+    """A file of a time, a displacement and these columns, each of which rises by 1 from its number times 100."""
+    rows = [",".join(["Time (s)", "Displacement (mm)", *names])]
+    cells = [[0.1 * n, 0.5 * n, *(100 * at + n for at, _ in enumerate(names, 1))] for n in range(4)]
+    rows += [",".join(map(str, row)) for row in cells]
+    # * n, *(100 * at + n for at, _ in enumerate(names, 1))])) for n in range(4)]
+    path = folder / "lab.csv"
+    path.write_text("\n".join(rows) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("rest", ["R0", "R_0", "R_o", "R_ref", "R ref", "R_init", "R_rest", "R_series"])
+def test_the_resistance_at_rest_is_not_the_one_that_is_measured(tmp_path, rest):
+    path = table(tmp_path, f"{rest} (Ohm)", "dR/R0 (%)")
+    with pytest.raises(UserError, match=r"relative change .*needs the resistance at rest R0"):
+        import_csv(path, Wish(40.0))
+    recording = import_csv(path, Wish(40.0, r0_ohm=1000.0)).recording
+    assert recording["resistance_ohm"].tolist() == pytest.approx([3000, 3010, 3020, 3030])
+
+
+@pytest.mark.parametrize("other", ["R_shunt", "Shunt resistance", "Series resistor", "R_x"])
+def test_the_conductance_is_not_left_for_another_resistance(tmp_path, other):
+    recording = import_csv(table(tmp_path, f"{other} (Ohm)", "Conductance (S)"), Wish(40.0)).recording
+    assert recording.conductance_S.tolist() == pytest.approx([200, 201, 202, 203])
+
+
+@pytest.mark.parametrize("name", ["R", "R2", "Sensor resistance", "R_x"])
+def test_the_measured_resistance_is_taken_before_what_is_made_of_it(tmp_path, name):
+    """A letter with a word behind it is taken, too, where nothing else is there."""
+    more = [] if name == "R_x" else ["dR/R0 (%)"]
+    recording = import_csv(table(tmp_path, f"{name} (Ohm)", *more), Wish(40.0)).recording
+    assert recording["resistance_ohm"].tolist() == [100, 101, 102, 103]
+
+
+STRAINS = ["True strain", "Log. strain", "Logarithmic strain", "Hencky strain", "Transverse strain", "strain_lateral"]
+STRAINS += ["Querdehnung", "wahre Dehnung", "真应变", "ε_true"]
+
+
+@pytest.mark.parametrize("name", STRAINS)
+def test_another_strain_than_the_nominal_one_is_not_taken_for_it(tmp_path, name):
+    path = tmp_path / "lab.csv"
+    path.write_text(f"Time (s),{name} (%),Force (N)\n0,0,0\n0.1,1,0.1\n0.2,2,0.2\n")
+    with pytest.raises(UserError, match="no displacement found"):
+        import_csv(path, Wish(40.0))
+    recording = import_csv(path, Wish(40.0, {"strain": "2"})).recording
+    assert recording["displacement_mm"].tolist() == pytest.approx([0, 0.4, 0.8])
+
+
+STRETCHED = "Time (s),Extension (%),Force (N)\n0,0,0\n0.1,1,0.1\n0.2,2,0.2\n"
+IDLE = [
+    ({"units": {"displacement": "mm"}}, "--displacement-unit is of what no column .*strain: column 2.*leave it out"),
+    (
+        {"units": {"relative": "furlong", "relative_change": "furlong"}},
+        "--relative-unit is of what no column is taken",
+    ),
+    ({"units": {"resistance_ohm": "kOhm"}}, "units: can be said of time, .*resistance.* got 'resistance_ohm'"),
+    ({"columns": {"forces": "3"}}, "columns: can be said of .*force.* got 'forces'"),
+    ({"time_of": {"resistance": "3"}}, "--time-of resistance= is of what no column is taken for"),
+    ({"time_of": {"time": "1"}}, "time_of: can be said of displacement, .* got 'time'"),
+    (
+        {"columns": {"time": "1"}, "rate_hz": 10.0},
+        "column 1 'Time .s.' is taken for them; leave --rate-hz or --time out",
+    ),
+]
+
+
+@pytest.mark.parametrize(("said", "message"), IDLE)
+def test_what_is_said_of_nothing_is_not_left_out_in_silence(tmp_path, said, message):
+    path = tmp_path / "lab.csv"
+    path.write_text(STRETCHED)
+    with pytest.raises(UserError, match=message):
+        import_csv(path, Wish(40.0, **said))
+
+
+NO_WISH = [
+    ({"columns": {"force": 3}}, "columns: force must be a text such as '3', got 3"),
+    ({"columns": "force"}, "columns: must be a mapping of roles to texts"),
+    ({"negate": "force"}, "negate: must be a set of roles"),
+    ({"zero": {"force": 0.5}}, "zero: force must be a text such as '0.5', got 0.5"),
+    ({"rate_hz": 0}, "rate_hz: must be a positive number, got 0"),
+    ({"rate_hz": -10.0}, "rate_hz: must be a positive number, got -10.0"),
+    ({"r0_ohm": float("nan")}, "r0_ohm: must be a positive number, got nan"),
+    ({"hints": {"decimal": ","}}, "hints: must be a testbench.Hints"),
+]
+
+
+@pytest.mark.parametrize(("said", "message"), NO_WISH)
+def test_a_wish_that_cannot_be_is_refused_where_it_is_made(said, message):
+    with pytest.raises(UserError, match=message):
+        Wish(40.0, **said)
+
+
+@pytest.mark.parametrize(
+    ("said", "message"),
+    [
+        ({"decimal": ";"}, "decimal: must be one of ',' '.', got ';'"),
+        ({"separator": 3}, "separator: must be a text, got 3"),
+        ({"units_row": "2"}, "units_row: must be a row of the file"),
+    ],
+)
+def test_hints_that_cannot_be_are_refused(said, message):
+    with pytest.raises(UserError, match=message):
+        Hints(**said)

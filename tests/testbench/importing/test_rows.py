@@ -1,0 +1,129 @@
+"""Rows of a file: which are samples, which are whole, and where another table or test begins."""
+
+from __future__ import annotations
+
+import pytest
+
+from gcode.support.errors import UserError
+from testbench.importing.from_file import import_csv
+from testbench.importing.wish import Wish
+
+
+def written(folder, text):
+    path = folder / "lab.csv"
+    path.write_bytes(text.encode())
+    return path
+
+
+RATED = ["Displacement (mm),Force (N)", "0,0", "1,1", "2,2", "3,3"]
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r\r\n", "\n\n"])
+def test_blank_lines_are_no_samples_of_a_rate(tmp_path, end):
+    """A file with the ends of lines of two systems had half its rate, without a word."""
+    recording = import_csv(written(tmp_path, end.join(RATED) + end), Wish(40.0, rate_hz=10.0)).recording
+    assert recording.time_s.tolist() == pytest.approx([0, 0.1, 0.2, 0.3])
+
+
+@pytest.mark.parametrize("lost", ["2,OL,2", "OL,2,2", ",,2"])
+def test_a_row_that_is_left_out_was_a_sample_of_a_rate(tmp_path, lost):
+    rows = ["Displacement (mm),Force (N),Cycle", "0,0,2", "1,1,2", lost, "3,3,2"]
+    done = import_csv(written(tmp_path, "\n".join(rows)), Wish(40.0, rate_hz=10.0, drop_bad=True))
+    assert done.recording.time_s.tolist() == pytest.approx([0, 0.1, 0.3])
+
+
+def blanks(*changed):
+    rows = [f"  {0.1 * n:.1f}   {0.5 * n:.2f}   {0.2 * n:.2f}      {n // 3}" for n in range(8)]
+    for at, row in changed:
+        rows[at] = row
+    return "Time(s)  Disp(mm)  Force(N)  Cycle\n" + "\n".join(rows) + "\n"
+
+
+def test_a_missing_cell_between_blanks_does_not_move_the_others(tmp_path):
+    """Force 0.4 was displacement, and the number of the cycle force, as nobody uses the last column."""
+    path = written(tmp_path, blanks((2, "  0.2            0.40      0")))
+    with pytest.raises(
+        UserError, match=r"row 4: Time\(s\) must be a number, got '0.2 0.4 0.*fewer than 4 cells.*--drop"
+    ):
+        import_csv(path, Wish(40.0))
+    recording = import_csv(path, Wish(40.0, drop_bad=True)).recording
+    assert recording["force_N"].tolist() == pytest.approx([0, 0.2, 0.6, 0.8, 1.0, 1.2, 1.4])
+
+
+def test_a_last_cell_that_is_no_number_and_a_blank_line_are_no_missing_cell(tmp_path):
+    for last in ("  0.7   3.50   1.40      nan", ""):
+        recording = import_csv(written(tmp_path, blanks((7, last))), Wish(40.0)).recording
+        assert len(recording.time_s) == 8 - (not last)
+
+
+def kiloohm(*below):
+    return (
+        "\n".join(["Time (s),Displacement (mm),R (kOhm)", "0,0,900", "1,1,901", *below, "2,2,902", "3,3,0.9"]) + "\n"
+    )
+
+
+@pytest.mark.parametrize("again", ["Time (s),Displacement (mm),R (MOhm)", "Time,Displacement (mm),R (kOhm)"])
+def test_names_with_one_other_unit_begin_another_table(tmp_path, again):
+    """With --drop-bad the row of names was left out, and megaohms were read as kiloohms."""
+    with pytest.raises(UserError, match="row 4 has other names or units"):
+        import_csv(written(tmp_path, kiloohm(again)), Wish(40.0, drop_bad=True))
+
+
+@pytest.mark.parametrize(
+    "row", ["Time (s),Displacement (mm),R (kOhm)", "1.5,1.5,OL ohm", "end of force,,", "OL,OL,OL"]
+)
+def test_the_same_names_and_single_words_do_not(tmp_path, row):
+    done = import_csv(written(tmp_path, kiloohm(row)), Wish(40.0, drop_bad=True))
+    assert done.recording["resistance_ohm"].tolist() == [900_000, 901_000, 902_000, 900]
+
+
+def timed(*times):
+    return "\n".join(["Time (s),Displacement (mm),Force (N)", *(f"{t:.2f},{t:.2f},1" for t in times)]) + "\n"
+
+
+FIRST = [0.1 * n for n in range(40)]
+
+
+@pytest.mark.parametrize("start", [0.0, 0.03, 1.0])
+@pytest.mark.parametrize("sort", [False, True])
+@pytest.mark.parametrize("tests", [2, 3])
+def test_two_tests_in_one_file_are_never_sorted_into_each_other(tmp_path, start, sort, tests):
+    path = written(tmp_path, timed(*FIRST, *[start + t for t in FIRST] * (tests - 1)))
+    with pytest.raises(UserError, match=r"row 42: .*the time starts again there.*part it into one file each"):
+        import_csv(path, Wish(40.0, sort=sort))
+
+
+def test_rows_that_came_late_are_sorted(tmp_path):
+    late = [*FIRST[:5], *FIRST[18:], *FIRST[5:18]]
+    done = import_csv(written(tmp_path, timed(*late)), Wish(40.0, sort=True))
+    assert done.recording.time_s.tolist() == pytest.approx(FIRST)
+    shuffled = [FIRST[7 * n % 40] for n in range(40)]
+    done = import_csv(written(tmp_path, timed(*shuffled)), Wish(40.0, sort=True))
+    assert done.recording.time_s.tolist() == pytest.approx(FIRST)
+    one = [*FIRST[:5], *FIRST[6:30], FIRST[5], *FIRST[30:]]
+    done = import_csv(written(tmp_path, timed(*one)), Wish(40.0, sort=True))
+    assert done.recording.time_s.tolist() == pytest.approx(FIRST)
+
+
+def test_a_sparse_temperature_can_be_left_out_and_not_only_its_rows(tmp_path):
+    rows = "".join(f"{n},{n},{n},{25 if n % 10 == 0 else ''}\n" for n in range(30))
+    path = written(tmp_path, "Time (s),Displacement (mm),Force (N),Temperature (C)\n" + rows)
+    with pytest.raises(
+        UserError, match=r"row 3: temperature_.*; --temperature none leaves the temperature out, --drop"
+    ):
+        import_csv(path, Wish(40.0))
+    assert len(import_csv(path, Wish(40.0, {"temperature": "none"})).recording.time_s) == 30
+
+
+@pytest.mark.parametrize(
+    ("sign", "negate", "said"),
+    [
+        (-1, set(), "add --negate displacement force"),
+        (1, {"displacement", "force"}, "leave --negate displacement force"),
+    ],
+)
+def test_signs_that_were_turned_are_not_advised_to_be_turned_again(tmp_path, sign, negate, said):
+    rows = "".join(f"{t:.2f},{sign * t:.2f},{2 * sign * t:.2f}\n" for t in FIRST)
+    path = written(tmp_path, "Time (s),Displacement (mm),Force (N)\n" + rows)
+    done = import_csv(path, Wish(40.0, negate=frozenset(negate)))
+    assert any(said in doubt for doubt in done.doubts)
