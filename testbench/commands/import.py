@@ -172,4 +172,7 @@ def _time_of(given: list[str]) -> dict[str, str]:
         role, sign, column = part.partition("=")
         if not sign or not column or role not in [name for name, _ in COLUMNS]:
             raise UserError(f"--time-of must be ROLE=COL such as force=t_F, got {part!r}")
-    return dict(part.partition("=")[::2] for part in given)
+    clocks = dict(part.partition("=")[::2] for part in given)
+    return {
+        "relative" if role == "relative-resistance" else role.replace("-", "_"): at for role, at in clocks.items()
+    }

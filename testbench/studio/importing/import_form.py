@@ -103,7 +103,7 @@ class Choices:
         ----------
         folder : Path
         roles : set of str
-            What was taken from the file; a sign or a zero of anything else is left out.
+            What was taken from the file; a unit, clock, sign or zero of anything else is left out.
 
         Raises
         ------
@@ -115,15 +115,17 @@ class Choices:
             raise UserError("“Gauge length / mm” is empty: say the sensor's length between the clamps at rest")
         argv = ["testbench", "import", str(self.path)]
         for role, column in self.columns.items():
-            argv += [f"--{'relative-resistance' if role == 'relative' else role.replace('_', '-')}", column]
-        for role, unit in self.units.items():
+            argv += [f"--{_said(role)}", column]
+        units, clocks = ({r: one for r, one in said.items() if r in roles} for said in (self.units, self.clocks))
+        for role, unit in units.items():
             argv += [f"--{'relative' if role.startswith('relative') else role}-unit", unit]
-        for role, column in self.clocks.items():
-            argv += ["--time-of", f"{role}={column}"]
+        for role, column in clocks.items():
+            argv += ["--time-of", f"{_said(role)}={column}"]
         for name, value in self.hints.items():
             argv += [HINT_FLAGS[name], str(value)] if value is not None else []
         r0_ohm = self.r0_ohm if roles & {"relative", "relative_change"} else None
-        for flag, number in (("--rate-hz", self.rate_hz), ("--rest-ohm", r0_ohm)):
+        rate_hz = None if "time" in roles else self.rate_hz
+        for flag, number in (("--rate-hz", rate_hz), ("--rest-ohm", r0_ohm)):
             argv += [flag, f"{number:.12g}"] if number else []
         argv += ["--gauge-length-mm", f"{self.gauge_length_mm:.12g}"] if stretched else []
         for flag, marked in (("--negate", self.negate & roles), ("--zero", self.zero & roles)):
@@ -140,3 +142,8 @@ class Choices:
                     if other != role:
                         self.columns.pop(other, None)
         self.units.pop(role, None)
+
+
+def _said(role: str) -> str:
+    """A role as the command line says it."""
+    return "relative-resistance" if role == "relative" else role.replace("_", "-")

@@ -57,3 +57,25 @@ def test_the_command_line_means_what_was_chosen(tmp_path: Path):
     assert wish.units == {"displacement": "mm"}
     assert wish.negate == {"displacement"}
     assert (wish.hints.header_row, wish.hints.encoding, wish.gauge_length_mm, wish.drop_bad) == (0, None, 40.0, True)
+
+
+def test_what_was_chosen_for_a_column_that_was_not_taken_is_not_said(tmp_path: Path):
+    choices = Choices(Path("lab.csv"), gauge_length_mm=40.0, rate_hz=10.0)
+    choices.units |= {"displacement": "mm", "resistance": "kohm", "relative": "%"}
+    choices.clocks |= {"force": "4", "relative": "5"}
+    parser = argparse.ArgumentParser()
+    command.add_arguments(parser)
+    argv = choices.command(tmp_path / "lab", {"time", "displacement", "relative"})
+    wish = command.wish_of(parser.parse_args(argv[2:]))
+    assert {role: unit for role, unit in wish.units.items() if role != "relative_change"} == {
+        "displacement": "mm",
+        "relative": "%",
+    }
+    assert (wish.time_of, wish.rate_hz) == ({"relative": "5"}, None)
+
+
+def test_a_clock_of_a_relative_resistance_has_the_name_of_its_column():
+    parser = argparse.ArgumentParser()
+    command.add_arguments(parser)
+    words = ["lab.csv", "-o", "lab", "--relative-resistance", "3", "--time-of", "relative-resistance=4"]
+    assert command.wish_of(parser.parse_args(words)).time_of == {"relative": "4"}
