@@ -173,6 +173,4 @@ def _time_of(given: list[str]) -> dict[str, str]:
         if not sign or not column or role not in [name for name, _ in COLUMNS]:
             raise UserError(f"--time-of must be ROLE=COL such as force=t_F, got {part!r}")
     clocks = dict(part.partition("=")[::2] for part in given)
-    return {
-        "relative" if role == "relative-resistance" else role.replace("-", "_"): at for role, at in clocks.items()
-    }
+    return {role.removesuffix("-resistance").replace("-", "_"): column for role, column in clocks.items()}
