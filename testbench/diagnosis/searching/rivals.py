@@ -18,9 +18,9 @@ def rivals_of(e: Entry, fits: Fits) -> list[Proposal]:
     """
     said = fits.measurement.modelled(e.hypothesis.model)
     likelihood = replace(fits.compared, measurement=replace(fits.measurement, measured=said))
-    sigma = e.hypothesis.evidence.sigma
     without = fitted(e.base, likelihood, fits.reference, e.hypothesis, iterations=0)
-    noise = replace(without.evidence, sigma=sigma), replace(without.normal, least=sigma)
-    without = replace(without, evidence=noise[0], normal=noise[1])
+    left = e.hypothesis.evidence.sigma  # counts as the noise
+    evidence, normal = replace(without.evidence, sigma=left), replace(without.normal, least=left)
+    without = replace(without, evidence=evidence, normal=normal)
     found = Screen(without, likelihood).proposals(laws_of(without, fits.compared, fits.catalogue))
     return [p for p in found if p.mechanism != e.mechanism and p.gain > 0]
