@@ -153,23 +153,25 @@ def _options(args: argparse.Namespace) -> Options:
     if "factors" in given:
         given["alphas"] = parse_factors(given.pop("factors"))
     options = Options(seed=args.seed, irregular=args.irregular, per_recording=args.per_recording, **given)
+    if chosen := _for_use(args):
+        options.check_for_use(chosen)
     engine(options.engine)
     return options
+
+
+def _for_use(args: argparse.Namespace) -> str:
+    """The method that was chosen, if it makes its own choices and learns for use; else empty."""
+    return "--twin" if args.twin else f"--method {args.method}" if args.method in ("auto", "tuned") else ""
 
 
 def _check(args: argparse.Namespace) -> None:
     from compensation.training.options import HIGHEST_SEED
     from gcode.support.errors import UserError
 
-    chosen = "--twin" if args.twin else f"--method {args.method}" if args.method in ("auto", "tuned") else ""
+    chosen = _for_use(args)
     for name in OWN_CHOICES:
         if chosen and getattr(args, name) is not None:
             raise UserError(f"--{name} is for --method paper only: {chosen} makes that choice itself; leave it out")
-    if chosen and args.per_recording:
-        raise UserError(
-            f"--per-recording is for --method paper only: {chosen} learns for use, where no recording's own mean is "
-            "known; leave it out"
-        )
     if args.factors is not None and (args.factor is not None or args.count is not None):
         raise UserError("--factors sets the smoothing factors by hand; leave out --factor and --count")
     if args.twin and args.method:

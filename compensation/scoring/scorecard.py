@@ -53,7 +53,12 @@ def _trained_on(recipe: Mapping[str, Any], part: Series) -> bool:
     """Whether a recording was learned from, by its content; by its path where an older file says no more."""
     if "trained_digests" in recipe:
         return part.digest in recipe["trained_digests"]
-    return Path(part.source).resolve() in [Path(source).resolve() for source in recipe.get("trained_on", [])]
+    return any(_is_of(part, source) for source in recipe.get("trained_on", []))
+
+
+def _is_of(part: Series, source: str) -> bool:
+    """Whether a series was read from this place."""
+    return Path(part.source).resolve() == Path(source).resolve()
 
 
 def _role(recipe: Mapping[str, Any], part: Series) -> str:
@@ -61,17 +66,16 @@ def _role(recipe: Mapping[str, Any], part: Series) -> str:
     if _trained_on(recipe, part):
         return "training"
     reference = recipe.get("recalibrated", {}).get("on")
-    return "reference" if reference and Path(part.source).resolve() == Path(reference).resolve() else "held-out"
+    return "reference" if reference and _is_of(part, reference) else "held-out"
 
 
-def _score_one(
-    compensator: TrainedCompensator, part: Series, gaps: Sequence[tuple[float, float]] = ()
-) -> dict[str, Any]:
+def _score_one(compensator: TrainedCompensator, part: Series, gaps: Sequence[tuple[float, float]]) -> dict[str, Any]:
     """Scores of one recording, over the times at which something was recorded."""
     prediction, role = compensator.in_use.predict_series(part), _role(compensator.recipe, part)
-    missing = [(part.time_s > start_s) & (part.time_s < end_s) for start_s, end_s in gaps]
-    recorded = np.flatnonzero(~np.any(missing, axis=0)) if missing else np.arange(len(part))
-    part, prediction = part.rows(recorded), prediction[recorded]
+    recorded = np.ones(len(part), dtype=bool)
+    for start_s, end_s in gaps:
+        recorded &= (part.time_s <= start_s) | (part.time_s >= end_s)
+    part, prediction = part.rows(np.flatnonzero(recorded)), prediction[recorded]
     before = score.r2_before(part.truth, part.conductance_S, compensator.sign)
     after = score.r2(part.truth, prediction)
     return {

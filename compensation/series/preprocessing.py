@@ -70,7 +70,7 @@ def series_of(recording: Recording, target: str, rate_hz: float | None) -> Serie
         )
     series = _sampled(recording, channel, rate_hz)
     for name, values in ((RESISTANCE, series.conductance_S), (channel, series.truth)):
-        if np.ptp(values) <= 1e-12 * np.abs(values).max():
+        if stands_still(values):
             absent = "" if values.any() else " (zero throughout, as where the file has no such column)"
             raise UserError(f"{recording.source}: {name} is constant{absent}, so there is nothing to learn from it")
     return series
@@ -108,6 +108,11 @@ def _sampled(recording: Recording, channel: str, rate_hz: float | None) -> Serie
         # Resistance is what was measured: interpolate it, then invert, as the paper does.
         recording = recording.resampled(rate_hz)
     return Series(recording.time_s, recording.conductance_S, recording[channel], recording.source)
+
+
+def stands_still(values: FloatArray) -> bool:
+    """Whether a signal is constant, but for rounding: nothing can be learned from it."""
+    return bool(np.ptp(values) <= 1e-12 * np.abs(values).max())
 
 
 def target_channel(target: str) -> str:

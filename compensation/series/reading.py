@@ -71,7 +71,6 @@ def read_samples(path: str | Path) -> tuple[FloatArray, FloatArray]:
     else:
         check_beside(place)
     frame = read_frame(place, growing)
-    frame.columns = frame.columns.map(str).str.strip()
     for name in ("time_s", "resistance_ohm"):
         if name not in frame:
             have = ", ".join(map(str, frame.columns[:8]))

@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from compensation.model.compensator import Scaling, TrainedCompensator
 from compensation.model.runtime import ready_for_use
 from compensation.series import score
-from compensation.series.preprocessing import Series
+from compensation.series.preprocessing import Series, stands_still
 from compensation.training.folds import fold_count, folds_of, split, whole_recordings
 from compensation.training.intervals import of_another, of_one_recording
 from compensation.training.learners import PACES, Learner, Line, Networks, Paper, Ridge
@@ -67,10 +67,7 @@ def train_automatically(
     TrainedCompensator
         Its recipe says what was tried, what was taken and what cross-validation promises of it.
     """
-    if options.per_recording:
-        raise UserError(
-            "--method auto learns for use, where no recording's own mean is known; leave --per-recording out"
-        )
+    options.check_for_use("--method auto")
     folds, whole = folds_of(series), whole_recordings(series)
     _check_moves(series, target, folds)
     truth = np.concatenate([part.truth for part in series])
@@ -105,7 +102,7 @@ def _check_moves(series: Sequence[Series], target: str, folds: NDArray[np.int64]
     for number in range(fold_count(folds)):
         rest, _ = split(series, folds == number)
         for name, values in (("conductance", [p.conductance_S for p in rest]), (target, [p.truth for p in rest])):
-            if np.ptp(np.concatenate(values)) == 0:
+            if stands_still(np.concatenate(values)):
                 raise UserError(
                     f"{series[0].source}: without one of {fold_count(folds)} parts the {name} stands still, so "
                     "nothing can be cross-validated; give recordings that move throughout, or take --method tuned"

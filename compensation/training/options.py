@@ -8,6 +8,7 @@ from compensation.engines.engine import DEFAULT_L2
 from compensation.memories.ema import PAPER_COUNT, PAPER_FACTOR, PAPER_RATE_HZ, given_factors, smoothing_factors
 from compensation.memories.history import NO_HISTORY, History
 from gcode.support.arrays import FloatArray
+from gcode.support.errors import UserError
 
 PAPER_SIZES = (4, 2, 2)
 HIGHEST_SEED = 2**31 - 1
@@ -59,6 +60,20 @@ class Options:
     def resampling_hz(self) -> float | None:
         """Rate that recordings are resampled to; None where they are taken as sampled."""
         return None if self.irregular else self.rate_hz
+
+    def check_for_use(self, method: str) -> None:
+        """Refuse what a method that learns for use cannot do; `method` as the command line says it.
+
+        Raises
+        ------
+        UserError
+            If each recording is to be standardised by itself.
+        """
+        if self.per_recording:
+            raise UserError(
+                f"--per-recording is for --method paper only: {method} learns for use, where no recording's own mean "
+                "is known; leave --per-recording out"
+            )
 
     @property
     def bank(self) -> FloatArray:

@@ -167,10 +167,12 @@ def wish_of(args: argparse.Namespace) -> Wish:
 
 def _time_of(given: list[str]) -> dict[str, str]:
     from gcode.support.errors import UserError
+    from testbench.importing.choice import FLAGS
 
+    role_of = {flag.removeprefix("--"): role for role, flag in FLAGS.items()}
     for part in given:
         role, sign, column = part.partition("=")
         if not sign or not column or role not in [name for name, _ in COLUMNS]:
             raise UserError(f"--time-of must be ROLE=COL such as force=t_F, got {part!r}")
     clocks = dict(part.partition("=")[::2] for part in given)
-    return {role.removesuffix("-resistance").replace("-", "_"): column for role, column in clocks.items()}
+    return {role_of[name]: column for name, column in clocks.items()}

@@ -157,10 +157,8 @@ def _places(channel: str, maps: Mapping[str, tuple[Cell, ...]], residual: FloatA
     found = []
     for coordinate, cells in maps.items():
         for cell in cells:
-            if cell.share >= MIN_SHARE and abs(cell.t) >= MIN_T:
-                share = cell.share * cell.mean**2 / total
-                if share < LEAST_SHARE:
-                    continue
+            share = cell.share * cell.mean**2 / total
+            if cell.share >= MIN_SHARE and abs(cell.t) >= MIN_T and share >= LEAST_SHARE:
                 words = place_in_words(channel_name(channel), coordinate, cell, size)
                 found.append(Place(channel, coordinate, cell, share, words))
     return found

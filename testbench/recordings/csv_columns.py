@@ -38,7 +38,7 @@ def read_columns(path: Path, growing: bool = False) -> dict[str, np.ndarray]:
     """
     frame = read_frame(path, growing)
     names = [name for name in frame.columns if not _is_remark(frame, name)]
-    return {str(name).strip(): _numbers(path, str(name), frame[name]) for name in names}
+    return {name: _numbers(path, name, frame[name]) for name in names}
 
 
 def read_frame(path: Path, growing: bool = False) -> pd.DataFrame:
@@ -63,7 +63,7 @@ def read_frame(path: Path, growing: bool = False) -> pd.DataFrame:
     except OSError as error:
         raise UserError(f"{path}: cannot read it: {error.strerror or error}") from None
     _check_named(path, frame)
-    return frame
+    return frame.rename(columns=str.strip)
 
 
 def _check_named(path: Path, frame: pd.DataFrame) -> None:

@@ -161,11 +161,11 @@ def say_slow(recording: Recording) -> None:
 
 def say_gaps(recording: Recording) -> None:
     """Warn where much of a recording that is learned from, or scored, was not recorded."""
-    missing_s = sum(end_s - start_s for start_s, end_s in recording.gaps)
-    if missing_s > MUCH_MISSING * recording.duration_s:
+    if recording.missing_s > MUCH_MISSING * recording.duration_s:
         say_once(
-            f"{recording.source}: nothing was recorded in {missing_s:.4g} of {recording.duration_s:.4g} s; a score "
-            "leaves that out, but a training takes straight lines there for data: better cut the recording there"
+            f"{recording.source}: nothing was recorded in {recording.missing_s:.4g} of {recording.duration_s:.4g} s; "
+            "a score leaves that out, but a training takes straight lines there for data: better cut the "
+            "recording there"
         )
 
 

@@ -175,8 +175,7 @@ class Recording:
     @property
     def mean_rate_hz(self) -> float:
         """Mean sampling rate while it was recorded: gaps do not count."""
-        gaps_s = [end_s - start_s for start_s, end_s in self.gaps]
-        return (len(self) - 1 - len(gaps_s)) / (self.duration_s - sum(gaps_s))
+        return (len(self) - 1 - len(self.gaps)) / (self.duration_s - self.missing_s)
 
     def between(self, start_s: float, end_s: float) -> Recording:
         """The samples with ``start_s <= time_s < end_s``; time is kept as it was.
@@ -212,6 +211,11 @@ class Recording:
         """Where nothing was recorded, see `gaps_in`."""
         return gaps_in(self.time_s)
 
+    @property
+    def missing_s(self) -> float:
+        """How long nothing was recorded, all gaps together."""
+        return float(sum(end_s - start_s for start_s, end_s in self.gaps))
+
     def segments(self) -> list[Recording]:
         """The parts between gaps, of two samples or more each; time is kept as it was."""
         edges = [-np.inf, *(end_s for _, end_s in self.gaps), np.inf]
@@ -237,7 +241,7 @@ class Recording:
         if not isinstance(rate_hz, Real) or not rate_hz > 0:
             raise UserError(f"{self.source}: the rate must be a number of Hz above 0, got {rate_hz!r}")
         count = int(np.floor(min(self.duration_s * rate_hz, 1e18) * (1 + 1e-12))) + 1
-        made_up = rate_hz * sum(end_s - start_s for start_s, end_s in self.gaps)
+        made_up = rate_hz * self.missing_s
         if count > MOST_RESAMPLED or made_up > max(MOST_MADE_UP, len(self)):
             raise UserError(f"{self.source}: {self._why_not(count, rate_hz)}")
         grid = self.time_s[0] + np.arange(count) / rate_hz

@@ -158,12 +158,10 @@ class Refits:
 
         Where they were refitted before, they may have met a worse base.
         """
-        proposals = tuple(rivals_of(e, self.fits))
         here = fitted(e.base, self.compared, self.fits.reference, e.hypothesis, iterations=0)
-        null = NullModel(here, here, proposals)
+        null = NullModel(here, here, tuple(rivals_of(e, self.fits)))
         likely = promising([null])[: constants.BENDING]
-        own = [[p for p in proposals if p.mechanism == m][: constants.SETTLED_LAWS] for m in likely]
-        return self.entered([(null, p) for p in itertools.chain(*own)])
+        return self.entered([one for m in likely for one in _chances([null], m)[: constants.SETTLED_LAWS]])
 
     def best_of_each(self, entries: Sequence[Entry]) -> list[Entry]:
         """The best law of each mechanism, and some more of the best two, refitted in full; the best first.

@@ -23,4 +23,4 @@ def rivals_of(e: Entry, fits: Fits) -> list[Proposal]:
     evidence, normal = replace(without.evidence, sigma=left), replace(without.normal, least=left)
     without = replace(without, evidence=evidence, normal=normal)
     found = Screen(without, likelihood).proposals(laws_of(without, fits.compared, fits.catalogue))
-    return [p for p in found if p.mechanism != e.mechanism and p.gain > 0]
+    return [p for p in found if p.mechanism != e.mechanism]

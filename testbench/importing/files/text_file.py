@@ -8,6 +8,7 @@ import re
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from statistics import mode
 from typing import TYPE_CHECKING
@@ -61,7 +62,7 @@ class TextSheet(Sheet):
             said = in_words(error, self.layout.first_row - 1)
             raise UserError(f"{self.path}: {said}; check the export, or name --separator") from None
 
-    @property
+    @cached_property
     def _usual(self) -> int:
         """How many cells most rows have where blanks part them; 0 where a cell that is missing leaves a gap."""
         counts = [len(cells) for cells in self.head[self.layout.first_row - 1 :] if cells]

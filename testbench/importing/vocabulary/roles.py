@@ -181,17 +181,21 @@ def _by_word(role: str, base: str, whole: str) -> int:
 
 def _by_symbol(role: str, base: str) -> int:
     """A formula's letter alone, or with an index behind it (``t_R``, ``R_inner``, ``F1``)."""
-    found = re.match(r"^([A-Za-zΔδεϑθ]+?)(?:[_ ](\w+)|(\d+))?$", base.strip())
-    if not found or found[1] not in _SYMBOLS[role]:
+    letter, index = _letter_and_index(base)
+    if letter not in _SYMBOLS[role]:
         return 0
-    index = (found[2] or found[3] or "").casefold()
-    return 0 if role == "resistance" and index in _NOT_MEASURED else SYMBOL
+    return 0 if role == "resistance" and index.casefold() in _NOT_MEASURED else SYMBOL
 
 
 def is_letter(base: str) -> bool:
     """Whether a name is a formula's letter, alone or numbered (``R``, ``R2``), with no word behind it."""
-    found = re.match(r"^([^\W\d_]+)[ _]?\d*$", base.strip())
-    return found is not None and any(found[1] in symbols for symbols in _SYMBOLS.values())
+    letter, index = _letter_and_index(base)
+    return (not index or index.isdecimal()) and any(letter in symbols for symbols in _SYMBOLS.values())
+
+
+def _letter_and_index(base: str) -> tuple[str, str]:
+    found = re.match(r"^([A-Za-zΔδεϑθ]+?)(?:[_ ](\w+)|(\d+))?$", base.strip())
+    return (found[1], found[2] or found[3] or "") if found else ("", "")
 
 
 def speaks_about(whole: str, role: str = "") -> bool:

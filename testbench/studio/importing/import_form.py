@@ -110,17 +110,19 @@ class Choices:
         UserError
             If the gauge length is missing and the file has a displacement or strain.
         """
+        from testbench.importing.choice import FLAGS, UNIT_FLAGS
+
         stretched = bool(roles & {"displacement", "strain"})
         if stretched and not self.gauge_length_mm:
             raise UserError("“Gauge length / mm” is empty: say the sensor's length between the clamps at rest")
         argv = ["testbench", "import", str(self.path)]
         for role, column in self.columns.items():
-            argv += [f"--{_said(role)}", column]
+            argv += [FLAGS[role], column]
         units, clocks = ({r: one for r, one in said.items() if r in roles} for said in (self.units, self.clocks))
         for role, unit in units.items():
-            argv += [f"--{'relative' if role.startswith('relative') else role}-unit", unit]
+            argv += [UNIT_FLAGS[role], unit]
         for role, column in clocks.items():
-            argv += ["--time-of", f"{_said(role)}={column}"]
+            argv += ["--time-of", f"{FLAGS[role].removeprefix('--')}={column}"]
         for name, value in self.hints.items():
             argv += [HINT_FLAGS[name], str(value)] if value is not None else []
         r0_ohm = self.r0_ohm if roles & {"relative", "relative_change"} else None
@@ -142,8 +144,3 @@ class Choices:
                     if other != role:
                         self.columns.pop(other, None)
         self.units.pop(role, None)
-
-
-def _said(role: str) -> str:
-    """A role as the command line says it."""
-    return "relative-resistance" if role == "relative" else role.replace("_", "-")

@@ -15,7 +15,6 @@ def table(folder, *names):
     rows = [",".join(["Time (s)", "Displacement (mm)", *names])]
     cells = [[0.1 * n, 0.5 * n, *(100 * at + n for at, _ in enumerate(names, 1))] for n in range(4)]
     rows += [",".join(map(str, row)) for row in cells]
-    # * n, *(100 * at + n for at, _ in enumerate(names, 1))])) for n in range(4)]
     path = folder / "lab.csv"
     path.write_text("\n".join(rows) + "\n")
     return path
