@@ -15,6 +15,7 @@ from compensation.model.ranges import Beginning, Seen
 from compensation.series.preprocessing import TARGETS, Series
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
+from testbench.recordings.recording import gaps_in
 
 
 @dataclass(frozen=True)
@@ -158,9 +159,10 @@ class TrainedCompensator:
         filters = len(self.alphas)
         begin = self.beginning if self.start == "causal" else None
         affine = None if begin is None else (begin.gain[:filters], begin.offset[:filters])
-        if self.irregular:
+        time_s = np.asarray(time_s, dtype=np.float64)
+        if self.irregular or gaps_in(time_s):
+            steps_s = np.diff(time_s)
             smoothed = smooth_irregular(values, time_s, self.alphas, self.rate_hz, self.start, affine)
-            steps_s = np.diff(np.asarray(time_s, dtype=np.float64))
         else:
             smoothed = smooth(values, self.alphas, self.rate_hz, self.start, affine)
             steps_s = np.full(len(values) - 1, 1.0 / self.rate_hz)
@@ -173,7 +175,7 @@ class TrainedCompensator:
         Parameters
         ----------
         time_s, conductance_S : ndarray, each shape (n,)
-            One whole recording, from its first sample. Uniform at `rate_hz` unless `irregular`.
+            One whole recording, from its first sample. Uniform at `rate_hz` unless `irregular`, but for gaps.
         """
         return self.scaling_out.invert(mean_output(self.networks, self.features(time_s, conductance_S)))
 

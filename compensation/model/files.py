@@ -90,6 +90,7 @@ class _Recipe(BaseModel):
     model_config = ConfigDict(extra="allow", strict=True)
     trained_on: list[str] = []
     trained_digests: list[str] = []
+    trained_lengths: list[int] = []
     cross_validated: _Promise | None = None
 
 

@@ -31,7 +31,7 @@ def score_recordings(compensator: TrainedCompensator, recordings: Sequence[Recor
         JSON-ready; see docs/compensation.md.
     """
     series = [series_of(rec, compensator.target, compensator.resampling_hz) for rec in recordings]
-    rows = [_score_one(compensator, part, one.gaps) for part, one in zip(series, recordings, strict=True)]
+    rows = [_score_one(compensator, part) for part in series]
     held_out = [row for row in rows if row["role"] == "held-out"]
     return {
         "format": FORMAT,
@@ -50,9 +50,13 @@ def score_recordings(compensator: TrainedCompensator, recordings: Sequence[Recor
 
 
 def _trained_on(recipe: Mapping[str, Any], part: Series) -> bool:
-    """Whether a recording was learned from, by its content; by its path where an older file says no more."""
+    """Whether a recording was learned from, by its content; by its path where an older file says no more.
+
+    One that has grown since begins as it did.
+    """
     if "trained_digests" in recipe:
-        return part.digest in recipe["trained_digests"]
+        lengths = {len(part), *(n for n in recipe.get("trained_lengths", []) if n < len(part))}
+        return any(part.rows(np.arange(n)).digest in recipe["trained_digests"] for n in lengths)
     return any(_is_of(part, source) for source in recipe.get("trained_on", []))
 
 
@@ -69,18 +73,13 @@ def _role(recipe: Mapping[str, Any], part: Series) -> str:
     return "reference" if reference and _is_of(part, reference) else "held-out"
 
 
-def _score_one(compensator: TrainedCompensator, part: Series, gaps: Sequence[tuple[float, float]]) -> dict[str, Any]:
-    """Scores of one recording, over the times at which something was recorded."""
-    prediction, role = compensator.in_use.predict_series(part), _role(compensator.recipe, part)
-    recorded = np.ones(len(part), dtype=bool)
-    for start_s, end_s in gaps:
-        recorded &= (part.time_s <= start_s) | (part.time_s >= end_s)
-    part, prediction = part.rows(np.flatnonzero(recorded)), prediction[recorded]
+def _score_one(compensator: TrainedCompensator, part: Series) -> dict[str, Any]:
+    prediction = compensator.in_use.predict_series(part)
     before = score.r2_before(part.truth, part.conductance_S, compensator.sign)
     after = score.r2(part.truth, prediction)
     return {
         "source": part.source,
-        "role": role,
+        "role": _role(compensator.recipe, part),
         "duration_s": float(part.time_s[-1] - part.time_s[0]),
         "samples": len(part),
         "r2_before": before,

@@ -55,7 +55,8 @@ def series_of(recording: Recording, target: str, rate_hz: float | None) -> Serie
     recording : Recording
     target : {"force", "displacement"}
     rate_hz : float or None
-        Resample by linear interpolation to this rate (the paper: 20 Hz); None keeps the samples as they are.
+        Resample by linear interpolation to this rate (the paper: 20 Hz); None keeps the samples as they are. Gaps
+        stay gaps: nobody has measured a straight line there.
 
     Raises
     ------
@@ -104,10 +105,15 @@ def _present(recording: Recording, target: str) -> str:
 
 
 def _sampled(recording: Recording, channel: str, rate_hz: float | None) -> Series:
+    gaps = recording.gaps
     if rate_hz is not None:
         # Resistance is what was measured: interpolate it, then invert, as the paper does.
         recording = recording.resampled(rate_hz)
-    return Series(recording.time_s, recording.conductance_S, recording[channel], recording.source)
+    whole = Series(recording.time_s, recording.conductance_S, recording[channel], recording.source)
+    recorded = np.ones(len(whole), dtype=bool)
+    for start_s, end_s in gaps:
+        recorded &= (whole.time_s <= start_s) | (whole.time_s >= end_s)
+    return whole.rows(np.flatnonzero(recorded))
 
 
 def stands_still(values: FloatArray) -> bool:

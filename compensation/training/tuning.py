@@ -83,6 +83,7 @@ def tune(
     progress : callable
         Told about each combination and each network: `steps` times.
     """
+    options.check_for_use("--method tuned")
     return ensemble(series, target, choose(series, target, options, progress), options.seed, progress)
 
 

@@ -52,6 +52,7 @@ def describe(
         "method": "paper",
         "trained_on": [part.source for part in series],
         "trained_digests": [part.digest for part in series],
+        "trained_lengths": [len(part) for part in series],
         "samples": len(features),
         "sizes": list(options.sizes),
         "factor": options.factor,

@@ -163,9 +163,8 @@ def say_gaps(recording: Recording) -> None:
     """Warn where much of a recording that is learned from, or scored, was not recorded."""
     if recording.missing_s > MUCH_MISSING * recording.duration_s:
         say_once(
-            f"{recording.source}: nothing was recorded in {recording.missing_s:.4g} of {recording.duration_s:.4g} s; "
-            "a score leaves that out, but a training takes straight lines there for data: better cut the "
-            "recording there"
+            f"{recording.source}: nothing was recorded in {recording.missing_s:.4g} of {recording.duration_s:.4g} s, "
+            "which is left out"
         )
 
 

@@ -41,7 +41,8 @@ def gaps_in(time_s: FloatArray) -> tuple[tuple[float, float], ...]:
         Increasing.
     """
     steps_s = np.diff(time_s)
-    rows = np.flatnonzero(steps_s > max(GAP_S, GAP_STEPS * float(np.median(steps_s))))
+    usual_s = float(np.median(steps_s)) if len(steps_s) else 0.0
+    rows = np.flatnonzero(steps_s > max(GAP_S, GAP_STEPS * usual_s))
     return tuple((float(time_s[row]), float(time_s[row + 1])) for row in rows)
 
 

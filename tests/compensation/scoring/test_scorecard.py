@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compensation.model.streaming import CompensatorStream
 from compensation.scoring.scorecard import score_recordings
 from compensation.series.preprocessing import series_of
 from compensation.training.options import Options
@@ -35,6 +36,37 @@ def test_a_gap_is_no_part_of_a_score(recordings):
     )
     assert paused["samples"] == pytest.approx(whole["samples"], abs=3)
     assert paused["r2_after"] == pytest.approx(whole["r2_after"], abs=0.05)
+
+
+def test_a_gap_is_no_part_of_a_training(recordings):
+    options = Options(sizes=(2,), restarts=1, engine="fast")
+    gap_s = np.where(recordings[0].time_s > recordings[0].duration_s / 2, 600.0, 0.0)
+    paused = replace(recordings[0], time_s=recordings[0].time_s + gap_s)
+    whole, learned = (train([one], "force", options) for one in (recordings[0], paused))
+    assert learned.recipe["samples"] == pytest.approx(whole.recipe["samples"], abs=3)
+    assert learned.scaling_out.scale == pytest.approx(whole.scaling_out.scale, rel=1e-3)
+    before, after = (score_recordings(one, recordings[1:2])["recordings"][0]["r2_after"] for one in (whole, learned))
+    assert after == pytest.approx(before, abs=0.03)
+
+
+def test_memories_go_on_over_a_gap_as_a_stream_does(recordings):
+    """The sample after a pause stands for all of it."""
+    gap_s = np.where(recordings[1].time_s > recordings[1].duration_s / 2, 600.0, 0.0)
+    paused = replace(recordings[1], time_s=recordings[1].time_s + gap_s)
+    compensator = train(recordings[:1], "force", Options(sizes=(2,), restarts=1, engine="fast"))
+    part = series_of(paused, "force", 20.0)
+    stream = CompensatorStream(compensator)
+    steps_s = np.diff(part.time_s, prepend=part.time_s[0] - 0.05)
+    streamed = [stream.update(*one) for one in zip(part.conductance_S, steps_s, strict=True)]
+    np.testing.assert_allclose(compensator.in_use.predict_series(part), streamed, atol=1e-9)
+
+
+def test_a_recording_that_has_grown_was_learned_from(recordings):
+    """Its first half must not count as held out."""
+    first = recordings[0].between(0.0, recordings[0].duration_s / 2)
+    compensator = train([first], "force", Options(sizes=(2,), restarts=1, engine="fast"))
+    scores = score_recordings(compensator, [first, *recordings[:2]])
+    assert [row["role"] for row in scores["recordings"]] == ["training", "training", "held-out"]
 
 
 def test_a_reference_was_not_held_out(recordings):

@@ -12,6 +12,7 @@ from compensation.training import tuning
 from compensation.training.lessons import HISTORY_SPREAD, STATE_SHIFT, Lessons, lessons
 from compensation.training.options import Options
 from compensation.training.training import train
+from gcode.support.errors import UserError
 
 QUICK = Options(engine="fast")
 
@@ -29,6 +30,11 @@ def test_it_beats_the_mean_of_the_papers_network(tuned, recordings):
     ]
     mean = np.mean([scores["summary"]["r2_after"] for scores in paper])
     assert score_recordings(tuned, recordings[1:])["summary"]["r2_after"] > mean
+
+
+def test_it_does_not_learn_from_each_recordings_own_mean(recordings):
+    with pytest.raises(UserError, match="--method tuned learns for use"):
+        train(recordings[:1], "force", Options(per_recording=True), method="tuned")
 
 
 def test_the_recipe_tells_every_choice(tuned):
