@@ -13,10 +13,11 @@ from gcode.support.files import make_folder
 from gcode.support.html import card, frame_table
 from gcode.support.kinds import path_of
 from testbench.campaigns.datasets.cluster import cluster
-from testbench.campaigns.datasets.dataset import OneAtATime, run, write_index, write_parquet
+from testbench.campaigns.datasets.dataset import OneAtATime, drop_stale_parquet, run, write_index, write_parquet
 from testbench.campaigns.datasets.index import is_campaign, listed
 from testbench.campaigns.datasets.spec import read_spec
 from testbench.campaigns.datasets.tasks import tasks_of
+from testbench.recordings.doubts import say_once
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -137,6 +138,11 @@ def dataset(
             made, there = run(tasks, "dask" if scheduler else "loky", workers, _counting(progress, len(tasks)))
         write_index(out, spec, tasks)
         files = write_parquet(out, tasks, workers) if format == "parquet" else None
+        if files is None and (dropped := drop_stale_parquet(out, tasks)):
+            say_once(
+                f"{out}: removed {dropped} Parquet files of campaigns that are others now; the format parquet writes "
+                "all of them anew"
+            )
     return DatasetResult(out, made, there, files)
 
 

@@ -11,7 +11,7 @@ from gcode.support.errors import UserError
 from gcode.support.html import card
 from gcode.support.kinds import path_of
 from testbench.campaigns.datasets.index import INDEX, index_problems
-from testbench.campaigns.datasets.parquet import PARQUET
+from testbench.campaigns.datasets.parquet_checksums import CHECKSUMS, PARQUET, parquet_problems
 from testbench.campaigns.remake import made_again
 from testbench.recordings import manifest
 from testbench.recordings.doubts import say_once
@@ -69,7 +69,7 @@ class VerifyResult:
     folder : Path
     campaigns : tuple of VerifiedCampaign
     index_problems : tuple of str
-        What does not agree with a data set's own list of campaigns.
+        What does not agree with a data set's own list of campaigns, or with the checksums of its Parquet files.
     """
 
     folder: Path
@@ -152,9 +152,13 @@ def verify(
     (True, False)
     """
     folder, own = path_of(folder, "campaign"), Path(effects) if effects else None
-    if (folder / PARQUET).exists():
+    stored: list[str] = []
+    if (folder / CHECKSUMS).is_file():
+        stored = parquet_problems(folder)
+    elif (folder / PARQUET).exists():
         say_once(
-            f"{folder / PARQUET}: not verified, these files carry no checksum; `testbench dataset` writes them anew"
+            f"{folder / PARQUET}: not verified, these files carry no checksum; `testbench dataset --format parquet` "
+            "writes them anew"
         )
     is_data_set = (folder / INDEX).is_file()
     members, unlisted = index_problems(folder) if is_data_set else ([folder], [])
@@ -163,7 +167,7 @@ def verify(
         found = _verified(member, again, own, alone=not is_data_set)
         campaigns.append(found)
         report(found)
-    return VerifyResult(folder, tuple(campaigns), tuple(unlisted))
+    return VerifyResult(folder, tuple(campaigns), (*unlisted, *stored))
 
 
 def _verified(folder: Path, again: bool, effects: Path | None, alone: bool) -> VerifiedCampaign:

@@ -8,7 +8,7 @@ from typing import Any
 
 from gcode.support.console import knitbench_version
 from gcode.support.files import write_json
-from testbench.campaigns.datasets.parquet import PARQUET
+from testbench.campaigns.datasets.parquet_checksums import PARQUET
 from testbench.recordings.channels import UNITS
 
 NAME = "croissant.json"

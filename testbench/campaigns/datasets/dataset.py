@@ -93,10 +93,23 @@ def write_parquet(out: Path, tasks: Sequence[Task], workers: int = -1) -> int:
     from testbench.campaigns.datasets.parquet import columns_of, parts_of, write_parts
 
     parts = parts_of(out, [(task.folder, task.specimen) for task in tasks])
-    written = write_parts(parts, workers)
+    written = write_parts(out, parts, workers)
     splits = [split for split in SPLITS if any(part.split == split for part in parts)]
     write_croissant(out, out.absolute().name, splits, columns_of(parts[0]))
     return written
+
+
+def drop_stale_parquet(out: Path, tasks: Sequence[Task]) -> int:
+    """Remove Parquet files of campaigns that are others now, and the metadata that counts on them; how many."""
+    from testbench.campaigns.datasets.croissant import NAME
+    from testbench.campaigns.datasets.parquet import parts_of
+    from testbench.campaigns.datasets.parquet_checksums import keep_current
+
+    parts = parts_of(out, [(task.folder, task.specimen) for task in tasks])
+    dropped = keep_current(out, {part.file: part.campaign for part in parts})
+    if dropped:
+        (out / NAME).unlink(missing_ok=True)
+    return dropped
 
 
 class OneAtATime:

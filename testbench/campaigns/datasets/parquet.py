@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Set
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING
 from gcode.support.errors import UserError
 from gcode.support.files import atomic_path, make_folder, refuse_links, sha256_of
 from gcode.support.strict import blocks_of
-from testbench.campaigns.datasets.splits import SPLITS, split_of
+from testbench.campaigns.datasets.parquet_checksums import (
+    CHECKSUMS,
+    PARQUET,
+    Checksums,
+    keep_only,
+    name_of,
+    write_checksums,
+)
+from testbench.campaigns.datasets.splits import split_of
 from testbench.recordings import manifest
 from testbench.recordings.channels import TIME
 from testbench.recordings.files import read_recording
@@ -18,7 +26,6 @@ from testbench.recordings.files import read_recording
 if TYPE_CHECKING:
     import pyarrow as pa
 
-PARQUET = "parquet"
 FINGERPRINT = b"knitbench_manifest_sha256"
 
 
@@ -50,8 +57,8 @@ def parts_of(out: Path, campaigns: Sequence[tuple[Path, str]]) -> list[Part]:
     ]
 
 
-def write_parts(parts: Sequence[Part], workers: int = -1) -> int:
-    """Write all parts anew, each whole or not at all; how many: what lies there carries no checksum to trust it by.
+def write_parts(out: Path, parts: Sequence[Part], workers: int = -1) -> int:
+    """Write all parts anew, each whole or not at all, and the checksums of all; how many.
 
     Raises
     ------
@@ -64,20 +71,15 @@ def write_parts(parts: Sequence[Part], workers: int = -1) -> int:
     for folder in {part.file.parent for part in parts}:
         refuse_links((folder.parent, folder), "choose another place with -o")
         make_folder(folder)
-    for root in {part.file.parent.parent for part in parts}:
-        _clear_stale(root, {part.file for part in parts})
+    (out / CHECKSUMS).unlink(missing_ok=True)
+    keep_only(out / PARQUET, {part.file for part in parts})
     with_one_thread = {"inner_max_num_threads": 1}
     channels = channels_of(parts)
-    Parallel(n_jobs=workers, backend="loky", **with_one_thread)(delayed(write_part)(one, channels) for one in parts)
+    sums = Parallel(n_jobs=workers, backend="loky", **with_one_thread)(
+        delayed(write_part)(one, channels) for one in parts
+    )
+    write_checksums(out, {name_of(part.file): one for part, one in zip(parts, sums, strict=True)})
     return len(parts)
-
-
-def _clear_stale(root: Path, wanted: Set[Path]) -> None:
-    """Remove the files of campaigns that are no longer of this data set, or now of another split."""
-    for split in SPLITS:
-        for path in (root / split).glob("*.parquet"):
-            if path not in wanted:
-                path.unlink()
 
 
 def channels_of(parts: Sequence[Part]) -> list[str]:
@@ -96,13 +98,15 @@ def columns_of(part: Part) -> list[str]:
     return parquet.read_schema(part.file).names
 
 
-def write_part(part: Part, channels: Sequence[str]) -> None:
+def write_part(part: Part, channels: Sequence[str]) -> Checksums:
     """Write one campaign."""
     from pyarrow import parquet
 
-    table = table_of(part, channels, sha256_of(part.campaign / manifest.NAME))
+    of_campaign = sha256_of(part.campaign / manifest.NAME)
+    table = table_of(part, channels, of_campaign)
     with atomic_path(part.file) as temporary:
         parquet.write_table(table, temporary, compression="zstd")
+    return Checksums(sha256=sha256_of(part.file), manifest_sha256=of_campaign)
 
 
 def table_of(part: Part, channels: Sequence[str], digest: str) -> pa.Table:

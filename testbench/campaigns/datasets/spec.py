@@ -15,7 +15,7 @@ from testbench.recordings.instruments import Instruments
 from testbench.rig.simulation.past import DEFAULT_REST_S
 
 MOST_CAMPAIGNS = 1_000_000
-Seed = Annotated[int, Field(ge=0, lt=1 << 63)]
+Seed = Annotated[int, Field(ge=0, lt=1 << 63, strict=True)]
 Seeds = Annotated[tuple[Seed, ...], Field(min_length=1, max_length=MOST_CAMPAIGNS)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Rest = Annotated[float, Field(ge=0, le=1e5, allow_inf_nan=False)]
@@ -95,6 +95,12 @@ class DatasetSpec(_Seeded):
     def _one_kind_of_program(self) -> DatasetSpec:
         if bool(self.programs) == (self.trajectory is not None):
             raise ValueError("give either programs or a table [trajectory]")
+        return self
+
+    @model_validator(mode="after")
+    def _rest_of_one_sensor(self) -> DatasetSpec:
+        if "rest_s" in self.model_fields_set and not self.same_sensor:
+            raise ValueError("rest_s is between programs on one sensor; it needs same_sensor = true")
         return self
 
     @field_validator("vary")

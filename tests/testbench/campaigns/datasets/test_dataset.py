@@ -171,6 +171,8 @@ def test_a_data_set_may_use_effects_of_ones_own(tmp_path):
             'sensors=["pes"]\nseeds=[1]\nprograms=["two_*.tap"]\nvary={"elasticity.stiffness_N"=[1e9,1e9]}',
             "vary, seed 1",
         ),
+        ('sensors=["pes"]\nseeds=[1]\nprograms=["two_*.tap"]\nrest_s=60', "it needs same_sensor = true"),
+        ('sensors=["pes"]\nseeds=[true]\nprograms=["two_*.tap"]', r"seeds.*integer"),
     ],
 )
 def test_a_bad_spec_is_refused_before_anything_runs(tmp_path, text, message):
