@@ -142,6 +142,8 @@ def check(program: str | Path | Program | Made, limits: Limits | None = None, **
     if isinstance(program, Program):
         from gcode.mach4.check import check_program
 
+        if "as_foreign" in options:
+            raise UserError("as_foreign: is of a text or a file, whose header is then not heeded; leave it out here")
         return check_program(program, allowed, **options)
     return check_file(text_of(program)[0], allowed, **options)[0]
 
@@ -194,4 +196,9 @@ def _spec(spec: str | Path | TrajectorySpec | Protocol | Piece) -> TrajectorySpe
         return spec
     if isinstance(spec, Protocol | Piece):
         return TrajectorySpec.of(spec)
-    return read_spec(spec) if isinstance(spec, Path) or str(spec).endswith(".toml") else preset(spec)
+    if not isinstance(spec, str | Path):
+        kind = type(spec).__name__
+        raise UserError(
+            f"spec: must be a preset's name, a TOML file, a spec or a piece (join pieces with +), got {kind}"
+        )
+    return read_spec(spec) if isinstance(spec, Path) or spec.endswith(".toml") else preset(spec)

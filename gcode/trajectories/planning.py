@@ -91,7 +91,7 @@ def check_request(spec: TrajectorySpec, seed: int, gauge_length_mm: float) -> No
         came = f"{gauge_length_mm:g} mm" if is_length else repr(gauge_length_mm)
         allowed = f"{SHORTEST_GAUGE_MM:g} to {LONGEST_GAUGE_PLANNED_MM:g} mm"
         raise UserError(f"gauge length must be {allowed}, got {came}")
-    if not (isinstance(seed, Integral) and 0 <= seed <= LARGEST_SEED):
+    if isinstance(seed, bool) or not (isinstance(seed, Integral) and 0 <= seed <= LARGEST_SEED):
         raise UserError(f"seed must be a whole number from 0 to {LARGEST_SEED}, got {seed!r}")
     _check_samples(sum(getattr(piece, "duration_s", 0.0) for piece in spec.pieces) * spec.rate_hz)
     strokes = sum(piece.strokes for piece in spec.pieces)

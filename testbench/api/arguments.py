@@ -22,7 +22,7 @@ from testbench.measurements.splitting import MIN_PART
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
 from testbench.recordings.checks import known_length
 from testbench.recordings.doubts import check_gap, check_grid, say_if_same, say_sign, say_slow
-from testbench.recordings.files import SPELLINGS, read_recording, strange_names
+from testbench.recordings.files import SPELLINGS, read_recording, say_of_temperature, strange_names
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import ModelFile, check_same_set_up, load_model_file
 
@@ -80,6 +80,7 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
         raise UserError(f"read: no column {TIME} (found: {', '.join(columns)}); rename yours")
     if gauge_length_mm is None and DISPLACEMENT in columns:
         raise UserError("read: a table does not know its gauge length; give gauge_length_mm")
+    say_of_temperature("read", columns)
     time_s = columns.pop(TIME)
     source = f"columns-{_digest(time_s, *columns.values())}"
     return Recording(time_s, columns, known_length(gauge_length_mm, source), source)
@@ -107,11 +108,13 @@ def _check_names(names: Iterable[str]) -> None:
 
 def _numbers(name: str, values: Any) -> FloatArray:
     """One column of a data frame or a mapping, shape (n,)."""
-    if np.asarray(values).dtype.kind in "mM":
+    given = np.asarray(values).dtype
+    if given.kind in "mM":
         raise UserError(
-            f"read: {name} must be numbers, got dates or durations ({np.asarray(values).dtype}); "
-            "give seconds since the first sample"
+            f"read: {name} must be numbers, got dates or durations ({given}); give seconds since the first sample"
         )
+    if given.kind in "bc":
+        raise UserError(f"read: {name} must be real numbers, got {given}; convert it, or leave it out")
     try:
         column = np.array(values, dtype=np.float64)
         if np.ma.isMaskedArray(values):

@@ -12,6 +12,7 @@ from gcode.motion.limits import drive_within
 from gcode.motion.path import Frame, join
 from gcode.programs.make import Made, make
 from gcode.support.errors import UserError
+from gcode.support.kinds import number
 from gcode.trajectories.designed import (
     Hold,
     Multisine,
@@ -62,7 +63,7 @@ class Bounds:
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
-            if not (np.isfinite(value) and value > 0):
+            if not (np.isfinite(number(name, value)) and value > 0):
                 raise UserError(f"{name}: must be a positive number, got {value:g}")
 
     @property

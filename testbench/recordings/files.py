@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -11,7 +12,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from gcode.support.files import atomic_writer
-from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME, UNITS
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME, UNITS
 from testbench.recordings.checks import known_length
 from testbench.recordings.csv_columns import read_columns
 from testbench.recordings.doubts import say_once
@@ -138,6 +139,7 @@ def _recording(
     if TIME not in columns:
         raise UserError(f"{path}: no column {TIME} (found: {', '.join(columns)}); name yours with `testbench import`")
     _check_names(path, list(columns))
+    say_of_temperature(path, columns)
     time_s = columns.pop(TIME)
     return Recording(time_s, columns, gauge_length_mm, str(path), metadata or {})
 
@@ -154,6 +156,17 @@ def _check_names(path: Path, names: list[str]) -> None:
                 f"{path}: no column {channel}, but one called {strange[0]!r}: name it with `testbench import`, "
                 "or leave it out"
             )
+
+
+def say_of_temperature(source: object, names: Iterable[str]) -> None:
+    """Say that a column which may be the temperature is not taken for it: drift with it would stay unexplained."""
+    named = list(names)
+    like = [name for name in named if re.match(r"temp(erature)?(_|$)", name.lower())]
+    if like and TEMPERATURE not in named:
+        say_once(
+            f"{source}: column {like[0]!r} is not taken for the temperature; if it is that of the sensor, call it "
+            f"{TEMPERATURE}, in degrees Celsius"
+        )
 
 
 SPELLINGS = {FORCE: ("force", "load", "kraft"), RESISTANCE: ("resist", "widerstand", "ohm")}

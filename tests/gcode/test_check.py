@@ -9,6 +9,7 @@ from gcode.mach4.check import check_program
 from gcode.mach4.controller import Machine, execute, play
 from gcode.mach4.reader import parse_program, read_program
 from gcode.mach4.writer import write_program
+from gcode.programs.api import check
 from gcode.programs.make import make
 from gcode.support.errors import UserError
 from gcode.trajectories.bounds import Limits
@@ -28,6 +29,11 @@ def reasons(body: str, limits: Limits = LIMITS) -> list[str]:
 
 def test_a_sound_foreign_program_passes():
     assert reasons(SOUND) == []
+
+
+def test_a_program_that_was_read_is_not_read_again_as_foreign():
+    with pytest.raises(UserError, match="as_foreign: is of a text or a file"):
+        check(parse_program(SOUND), as_foreign=True)
 
 
 @pytest.mark.parametrize(

@@ -174,14 +174,16 @@ def next_experiment(
                 raise UserError("next_experiment: a diagnosis needs the recording that its rivals are refitted on")
             first, held, _ = recordings_for(None, None, recording, held_out, gauge_length_mm)
             data, source = diagnosis_data(rivals), "diagnosis" if isinstance(rivals, DiagnosisResult) else str(rivals)
-            menu(_bounds({**(bounds or {}), "gauge_length_mm": first.gauge_length_mm}))  # refused before the refits
+            menu(_bounds(bounds or {}, first.gauge_length_mm))  # refused before the refits
             say = tell or (lambda _text: None)
             found, noise = rivals_from_diagnosis(data, source, *split(first, held), catalogue, say)
             gauge, temperature = first.gauge_length_mm, temperature or first.has(TEMPERATURE)
         else:
+            if recording is not None or held_out is not None:
+                raise UserError("next_experiment: models are as they were fitted; leave recording and held_out out")
             found, noise, gauge = _fitted(rivals, catalogue)
             gauge = gauge if gauge_length_mm is None else gauge_length_mm
-        limits = _bounds({**(bounds or {}), "gauge_length_mm": gauge})
+        limits = _bounds(bounds or {}, gauge)
         return NextExperiment(
             tuple(found), tuple(experiment.propose(found, noise, limits, seed, temperature, tell)), gauge
         )
@@ -200,9 +202,13 @@ def _fitted(
     return rivals_of({name: model_file_of(one, catalogue) for name, one in rivals.items()})
 
 
-def _bounds(fields: Mapping[str, float]) -> Bounds:
-    try:
-        return Bounds(**fields)
-    except TypeError:
-        allowed = ", ".join(Bounds.__dataclass_fields__)
-        raise UserError(f"bounds: allowed are {allowed}; got {', '.join(fields)}") from None
+def _bounds(fields: Mapping[str, float], gauge_length_mm: float) -> Bounds:
+    allowed = [name for name in Bounds.__dataclass_fields__ if name != "gauge_length_mm"]
+    if fields.get("gauge_length_mm", gauge_length_mm) != gauge_length_mm:
+        raise UserError(
+            f"bounds: the gauge length is {gauge_length_mm:g} mm, got {fields['gauge_length_mm']!r}; for a sensor of "
+            "another length give gauge_length_mm beside bounds"
+        )
+    if other := sorted(set(fields) - {*allowed, "gauge_length_mm"}):
+        raise UserError(f"bounds: allowed are {', '.join(allowed)}; got {', '.join(other)}")
+    return Bounds(**{**fields, "gauge_length_mm": gauge_length_mm})

@@ -152,8 +152,12 @@ def test_mistakes_are_one_sentence():
         tb.compare(relaxed(), 3)  # type: ignore[arg-type]
     with pytest.raises(tb.UserError, match="must be a whole number, 1 or more, got 0"):
         tb.diagnose(relaxed(), most=0)
-    with pytest.raises(tb.UserError, match="bounds: allowed are v_max_mm_per_s"):
+    with pytest.raises(tb.UserError, match=r"bounds: allowed are v_max_mm_per_s.*; got speed$"):
         tb.next_experiment([fitted(), fitted()], bounds={"speed": 3})
+    with pytest.raises(tb.UserError, match="duration_s must be a number, got '3'"):
+        tb.next_experiment([fitted(), fitted()], bounds={"duration_s": "3"})  # type: ignore[dict-item]
+    with pytest.raises(tb.UserError, match=r"bounds: the gauge length is 25 mm, got 50\.0"):
+        tb.next_experiment([fitted(), fitted()], bounds={"gauge_length_mm": 50.0})
     with pytest.raises(tb.UserError, match="give two or more rival models, got 1"):
         tb.next_experiment([fitted()])
     with pytest.raises(tb.UserError, match="give two or more rival models, got 3"):

@@ -109,6 +109,20 @@ SLIPS = {
         lambda: tb.read(pd.DataFrame(TIMES | {"Force (kN)": [0, 1, 2]}), 25),
         "column 'Force (kN)' is not taken for the force; call it force_N, in N, or leave it out",
     ),
+    "impedances for resistances": (
+        lambda: tb.read(TIMES | {"force_N": np.array([0, 1j, 2])}, 25),
+        "read: force_N must be real numbers, got complex128; convert it, or leave it out",
+    ),
+    "truths for forces": (lambda: tb.read(TIMES | {"force_N": np.array([True, False, True])}, 25), "got bool"),
+    "a list of pieces": (
+        lambda: gcode.generate([gcode.Triangle(high_percent=20, cycles=2, speed_mm_per_s=1)], seed=1),
+        "a spec or a piece (join pieces with +), got list",
+    ),
+    "a truth for a seed": (lambda: gcode.generate("paper-1", seed=True, duration_s=20), "whole number from 0"),
+    "a recording beside models": (
+        lambda: tb.next_experiment([tb.baseline(), tb.preset("pes")], "a.csv"),
+        "models are as they were fitted; leave recording and held_out out",
+    ),
     "dates for times": (
         lambda: tb.read(pd.DataFrame(TIMES | {"time_s": pd.to_datetime([0, 1, 2], unit="s")}), 25),
         "read: time_s must be numbers, got dates or durations (datetime64[",

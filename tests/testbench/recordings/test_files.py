@@ -70,6 +70,17 @@ def test_a_column_that_is_neither_force_nor_resistance_hides_none(tmp_path, name
     assert not recording.has("resistance_ohm")
 
 
+@pytest.mark.parametrize("name", ["temp_C", "temperature_K", "Temp"])
+def test_a_thermometer_of_another_name_is_not_overlooked_in_silence(tmp_path, caplog, name):
+    (tmp_path / "a.csv").write_text(f"time_s,displacement_mm,force_N,{name}\n0,0,0,20\n1,1,1,21\n2,0,0,22\n")
+    read_recording(tmp_path / "a.csv", 25)
+    assert f"column {name!r} is not taken for the temperature" in caplog.text
+    caplog.clear()
+    (tmp_path / "b.csv").write_text("time_s,displacement_mm,force_N,temporary_V\n0,0,0,20\n1,1,1,21\n2,0,0,22\n")
+    read_recording(tmp_path / "b.csv", 25)
+    assert not caplog.text
+
+
 def test_other_channels_may_stand_beside_or_instead(tmp_path):
     text = GOOD.replace("resistance_ohm", "displacement_planned_mm").replace("force_N", "temperature_C")
     assert list(read_recording(written(tmp_path, text), 25.0).channels) == [
