@@ -29,6 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
+    _check(args)
     if args.new:
         return _new(args.new, args.output or f"{args.new}.py")
     from testbench.knit import card
@@ -36,7 +37,7 @@ def run(args: argparse.Namespace) -> int:
 
     catalogue = load_catalogue(args.effects)
     if args.check:
-        return _check(catalogue, args.name)
+        return _rules(catalogue, args.name)
     if args.name is None:
         print(card.catalogue_markdown(catalogue) if args.markdown else card.catalogue_text(catalogue))
         return 0
@@ -44,6 +45,20 @@ def run(args: argparse.Namespace) -> int:
     if args.plot is not None:
         _plot(catalogue, args.name, args.plot or f"{args.name}.png")
     return 0
+
+
+def _check(args: argparse.Namespace) -> None:
+    """Refuse options that what is asked for has no use for."""
+    from gcode.support.errors import UserError
+
+    if args.output and not args.new:
+        raise UserError("-o says where --new NAME writes its template; name that as well")
+    if args.plot is not None and (args.name is None or args.check):
+        raise UserError("--plot draws one effect beside its card: give its NAME, and leave --check out")
+    if args.markdown and (args.name is not None or args.check):
+        raise UserError("--markdown is the list of all effects; leave NAME and --check out")
+    if args.new and (args.name or args.check or args.markdown):
+        raise UserError("--new writes a template and nothing else; leave NAME, --check and --markdown out")
 
 
 def _new(name: str, output: str) -> int:
@@ -65,7 +80,7 @@ def _plot(catalogue: Catalogue, name: str, output: str) -> None:
     print(f"\npicture    {output}")
 
 
-def _check(catalogue: Catalogue, name: str | None) -> int:
+def _rules(catalogue: Catalogue, name: str | None) -> int:
     from testbench.knit.rules import checked
 
     all_keep = True

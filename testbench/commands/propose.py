@@ -34,6 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
+    from gcode.support.console import check_apart
     from gcode.support.files import check_place
     from testbench.api.arguments import catalogue_of
     from testbench.api.missing.proposing import check_effect_file, propose
@@ -43,6 +44,8 @@ def run(args: argparse.Namespace) -> int:
     check_place(args.save_model, "--save-model")
     catalogue = catalogue_of(args.effects)
     output, picture = check_effect_file(args.output, args.plot, catalogue, args.laws)
+    args.plot = str(picture)
+    check_apart(args)
     tell = False if args.quiet else Counting("proposing", 2 + STEPS_OF_A_LAW * args.laws)
     found = propose(
         args.recording,
@@ -57,7 +60,10 @@ def run(args: argparse.Namespace) -> int:
     if tell:
         clear_line()
     show(found, args.json)
-    if found.is_proposed:
+    if not found.is_proposed:
+        if args.json != "-":
+            print("\nno law: no effect, picture or model was written")
+    else:
         written = [*found.write(output, picture), *([args.save_model] if args.save_model else [])]
         if args.save_model:
             found.save(args.save_model)

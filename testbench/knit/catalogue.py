@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
 import importlib.util
+from collections import Counter
 from dataclasses import dataclass, field
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -255,17 +257,25 @@ def _effects_in_file(path: Path) -> dict[str, type[Effect]]:
         raise
     except BaseException as error:  # sys.exit would end the command as if all were well
         raise UserError(f"{path}: cannot be loaded: {type(error).__name__}: {error}") from error
-    found = {
-        value.name: value
-        for value in vars(module).values()
-        if isinstance(value, type)
-        and issubclass(value, Effect)
-        and value.__module__ == module.__name__
-        and value.name
-    }
+    found: dict[str, type[Effect]] = {}
+    for value in vars(module).values():
+        if not (isinstance(value, type) and issubclass(value, Effect) and value.__module__ == spec.name):
+            continue
+        if value.name and found.setdefault(value.name, value) is not value:
+            raise UserError(f"{path}: two effects are called {value.name}; give each a name of its own")
+    _check_classes(path)
     if not found:
         raise UserError(f"{path}: no Effect class in it; `testbench effects --new NAME` writes a template")
     return found
+
+
+def _check_classes(path: Path) -> None:
+    """Refuse two classes of one name: Python keeps the second alone."""
+    tree = ast.parse(path.read_bytes())
+    counted = Counter(node.name for node in tree.body if isinstance(node, ast.ClassDef))
+    for name, count in counted.items():
+        if count > 1:
+            raise UserError(f"{path}: two classes are called {name}; give each a name of its own")
 
 
 def model_from_dict(data: Any, catalogue: Catalogue, source: str = "model") -> KnitModel:

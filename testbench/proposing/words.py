@@ -17,7 +17,7 @@ from testbench.measurements.responses import UNIT_OF
 from testbench.proposing.laws.formulas import in_words, latex_of, plain
 from testbench.proposing.laws.law import Law
 from testbench.proposing.laws_found import Option, Proposed, Step, numbered
-from testbench.proposing.writing import effect_class
+from testbench.proposing.writing import effect_class, strength_key
 
 SHOWN = 4
 
@@ -46,7 +46,7 @@ def first_line(proposed: Proposed) -> str:
     )
     floors = f"(held-out error in noise floors: {left})"
     if proposed.verdict == "nothing_left":
-        return f"nothing is left above the noise: no law is proposed {floors}"
+        return f"nothing is left above the noise of the recording that is fitted: no law is proposed {floors}"
     if proposed.verdict == "does_not_hold":
         return f"no law is proposed: what was found does not hold on the held-out recording {floors}"
     return f"no law is proposed: none of the library explains what is left {floors}"
@@ -130,7 +130,7 @@ def as_json(proposed: Proposed) -> dict[str, Any]:
 
 
 def _option_json(option: Option) -> dict[str, Any]:
-    law = option.law
+    law, strength = option.law, strength_key(option.law)
     return {
         "words": in_words(law),
         "latex": latex_of(law),
@@ -138,12 +138,12 @@ def _option_json(option: Option) -> dict[str, Any]:
         "changes": law.place.name,
         "coordinate": law.term.coordinate.name,
         "operators": [one.name for one in law.term.operators],
-        "parameters": {"gain": law.strength, **law.values},
+        "parameters": {strength: law.strength, **law.values},
         "meanings": {
-            "gain": f"a: change of {plain(law.place.latex)} for each unit of z",
+            strength: f"a: change of {plain(law.place.latex)} for each unit of z",
             **{s.key: f"{plain(s.symbol)}: {s.doc}" for s in law.term.slots},
         },
-        "units": {"gain": str(law.unit), **{s.key: str(law.term.unit_of(s)) for s in law.term.slots}},
+        "units": {strength: str(law.unit), **{s.key: str(law.term.unit_of(s)) for s in law.term.slots}},
         "log_evidence": option.log_evidence,
         "gains_in": option.holds,
         "best_in": option.chosen,

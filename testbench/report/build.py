@@ -72,6 +72,8 @@ def build_report(given: Inputs) -> Report:
     """
     if not (given.recordings or given.model or given.diagnoses or given.compensator):
         raise UserError("nothing to report on; name a --recording, --model, --diagnosis or --compensator")
+    if given.held_out and not given.recordings:
+        raise UserError("--held-out is judged beside the --recording that the model was fitted on; name that as well")
     opening: list[Item] = []
     parts: list[Section] = []
     verdict = ""

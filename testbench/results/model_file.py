@@ -16,9 +16,12 @@ from gcode.support.files import write_json
 from gcode.support.strict import StrictModel, read_json, validated
 from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
 from testbench.knit.model import KnitModel
-from testbench.measurements.responses import UNIT_OF
+from testbench.measurements.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, UNIT_OF
+from testbench.recordings.channels import FORCE, RESISTANCE
 from testbench.recordings.recording import Recording
 from testbench.recordings.stored import Label, StoredModel, checked_model
+
+MEASURED_AS = {FORCE_CHANNEL: FORCE, CONDUCTANCE_CHANNEL: RESISTANCE}
 
 
 class OpenModel(StrictModel):
@@ -174,12 +177,20 @@ def same_source(kept: str, source: str) -> bool:
 
 
 def check_same_set_up(file: ModelFile, recording: Recording, path: str | Path) -> None:
-    """Refuse to compare a model with a recording of another gauge length.
+    """Refuse to compare a model with a recording of another gauge length, or of a channel that it knows nothing of.
 
     Raises
     ------
     UserError
     """
+    if file.history:
+        fitted = file.history[-1]["errors"]["calibration"]
+        for channel, column in MEASURED_AS.items():
+            if channel not in fitted and recording.has(column):
+                raise UserError(
+                    f"{path}: fitted on {' and '.join(fitted)} alone, but {recording.source} has {column}, too; fit "
+                    "a model on a recording of the same channels, or leave that column out"
+                )
     if file.gauge_length_mm and abs(file.gauge_length_mm - recording.gauge_length_mm) > 1e-3 * file.gauge_length_mm:
         raise UserError(
             f"{path}: fitted at a gauge length of {file.gauge_length_mm:g} mm, but {recording.source} has "

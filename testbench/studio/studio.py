@@ -16,7 +16,7 @@ from gcode.support.strict import read_text
 from testbench.studio.jobs.job import Job
 from testbench.studio.jobs.jobs import JobBoard
 from testbench.studio.memory import Memory
-from testbench.studio.notes import Notes
+from testbench.studio.notes import Note, Notes
 from testbench.studio.workspace import Workspace
 from testbench.trust import is_trusted, trust
 
@@ -53,6 +53,22 @@ class Studio:
         self.sketches = Memory(KEPT_SKETCHES)
         self.notes = Notes(self.workspace.kept())
         self.jobs.listeners.append(self._log)
+
+    def delete(self, name: str) -> Path:
+        """Move a campaign, its note and what was made from it out of sight; where they are now."""
+        note, place = self.notes.of(name), self.workspace.delete(name)
+        if note != Note():
+            Notes(place).put(name, note)
+            self.notes.put(name, Note())
+        return place
+
+    def restore(self, place: Path) -> str:
+        """Bring a deleted campaign back with its note; its name."""
+        comes_back, note = (place / "campaign").is_dir(), Notes(place).all()
+        name = self.workspace.restore(place)
+        if comes_back:
+            self.notes.put(name, note.get(name, Note()))
+        return name
 
     def commands_path(self, name: str) -> Path:
         """The command lines that have been run for a campaign, one a line with its time."""

@@ -19,11 +19,12 @@ from testbench.recordings.manifest import CSV, MOST_BYTES
 from testbench.recordings.manifest import NAME as MANIFEST
 from testbench.recordings.recording import Recording
 from testbench.studio.memory import Memory, stamp
+from testbench.studio.notes import FILE as NOTES
 
 RESULTS = "results"
 DELETED = "deleted"  # below results; until they are restored
 DELETED_AT = "%Y%m%d-%H%M%S-"
-OWN = (RESULTS, DELETED, "running", "rig", "programs", "notes.json", "paces.json", "effects-file.txt", "effects.py")
+OWN = (RESULTS, DELETED, "running", "rig", "programs", NOTES, "paces.json", "effects-file.txt", "effects.py")
 MAX_DEPTH = 4
 MOST_PART_BYTES = 255
 MADE = {"model.json": "fitted", "diagnosis.json": "diagnosed"}
@@ -222,7 +223,8 @@ class Workspace:
             with contextlib.suppress(OSError):  # taken by other results; an empty folder is replaced
                 (place / "results").replace(self.results(name))
         if not (place / "results").is_dir():
-            (place / "name.txt").unlink()
+            for file in ("name.txt", NOTES):
+                (place / file).unlink(missing_ok=True)
             place.rmdir()
         elif alone:
             raise UserError(f"{name} has other results now: move {self.results(name)} away to have the old ones back")

@@ -106,6 +106,46 @@ def test_a_model_of_another_gauge_length(tmp_path, csv, capsys, command):
     assert "fitted at a gauge length of 60 mm" in error
 
 
+@pytest.mark.parametrize("command", ["compare", "diagnose", "propose", "report"])
+def test_a_model_that_was_fitted_on_fewer_channels(tmp_path, csv, capsys, command):
+    """Of the force it knows nothing, though it simulates one."""
+    measurement = prepare(record(truth(), 120, 12.0, channels=("resistance_ohm",)))
+    step = ladder_step("baseline", truth(), measurement, measurement)
+    ModelFile(truth(), 25.0, "r", "h", {}, (step,)).save(tmp_path / "model.json")
+    words = {
+        "propose": [csv, "-o", str(tmp_path / "my_law.py")],
+        "report": ["--recording", csv, "-o", str(tmp_path / "r.html")],
+    }.get(command, [csv])
+    error = refused(capsys, command, *words, "--model", str(tmp_path / "model.json"), "--gauge-length-mm", "25")
+    assert "model.json: fitted on conductance alone, but" in error
+    assert "has force_N, too" in error
+
+
+def test_a_held_out_recording_alone_is_no_report(tmp_path, csv, capsys):
+    measurement = prepare(record(truth(), 120, 12.0))
+    step = ladder_step("baseline", truth(), measurement, measurement)
+    ModelFile(truth(), 25.0, "r", "h", {}, (step,)).save(tmp_path / "model.json")
+    words = ["--held-out", csv, "--gauge-length-mm", "25", "-o", str(tmp_path / "r.html")]
+    error = refused(capsys, "report", "--model", str(tmp_path / "model.json"), *words)
+    assert "--held-out is judged beside the --recording" in error
+
+
+@pytest.mark.parametrize(
+    ("words", "match"),
+    [
+        ("--plot q.png", "--plot draws one effect"),
+        ("stress_relaxation --check --plot q.png", "--plot draws one effect"),
+        ("stress_relaxation --markdown", "--markdown is the list of all effects"),
+        ("--markdown -o list.md", "-o says where --new NAME"),
+        ("--new foo stress_relaxation", "--new writes a template and nothing else"),
+    ],
+)
+def test_options_of_effects_that_nothing_has_a_use_for(tmp_path, monkeypatch, capsys, words, match):
+    monkeypatch.chdir(tmp_path)
+    assert match in refused(capsys, "effects", *words.split())
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize(
     "words", ["diagnose a.csv --repeat", "propose a.csv -o b.py --laws", "investigate pes -o i --repeat"]
 )

@@ -240,6 +240,12 @@ def _bench(
     folder: Path, port: str | None, speed: float | None, state: Investigation, catalogue: Catalogue, own: Path | None
 ) -> Bench:
     if port is not None:
+        if (folder / SENSOR).is_file():
+            raise UserError(
+                f"{folder}: was made on the simulated rig, whose sensor is another; leave port out to go on"
+            )
+        if speed is not None:
+            raise UserError("speed: is that of the simulated rig; leave it out where a port is given")
         limits = Limits(max_force_N=state.settings.force_max_N or float("inf"))
         return PortBench(stated_port(port), limits=limits, specimen=state.sensor)
     if not (folder / SENSOR).is_file():

@@ -23,7 +23,7 @@ from testbench.proposing.proposal import MOST_LAWS
 from testbench.proposing.words import as_json, first_line, proposal_text, story
 from testbench.proposing.writing import file_text, free_path
 from testbench.report.figures.proposal_figures import proposal as figure_of
-from testbench.report.writing.static import write_figure
+from testbench.report.writing.static import figure_format, write_figure
 from testbench.results.model_file import ModelFile
 
 if TYPE_CHECKING:
@@ -212,12 +212,14 @@ def check_effect_file(
     Raises
     ------
     UserError
-        If a file is there already or none can be written, or the name is none for an effect or is taken.
+        If a file is there already or none can be written, the picture is no PNG, PDF or SVG, or the name is none for
+        an effect or is taken.
     """
     effect = free_path(path)
     if effect.suffix != ".py":
         raise UserError(f"{effect}: an effect is a Python file; give a name like my_effect.py")
     drawn = free_path(picture or effect.with_suffix(".png"))
+    figure_format(drawn)
     check_place(effect)
     check_place(drawn, "--plot")
     check_names(effect.stem, str(effect), catalogue_of(effects).effects, most)

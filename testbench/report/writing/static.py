@@ -37,9 +37,7 @@ def write_figure(figure: style.Figure, path: str | Path) -> None:
     UserError
         For another suffix.
     """
-    suffix = Path(path).suffix.lstrip(".").lower()
-    if suffix not in METADATA:
-        raise UserError(f"{path}: a figure is written as {', '.join(METADATA)}; got {suffix or 'no suffix'!r}")
+    suffix = figure_format(path)
     drawing = draw(figure)
     from matplotlib import rc_context
 
@@ -53,6 +51,20 @@ def write_figure(figure: style.Figure, path: str | Path) -> None:
             bbox_inches="tight",
             pad_inches=0.05,
         )
+
+
+def figure_format(path: str | Path) -> str:
+    """``png``, ``pdf`` or ``svg``, as the suffix of `path` says.
+
+    Raises
+    ------
+    UserError
+        For any other.
+    """
+    suffix = Path(path).suffix.lstrip(".").lower()
+    if suffix not in METADATA:
+        raise UserError(f"{path}: a figure is written as {', '.join(METADATA)}; got {suffix or 'no suffix'!r}")
+    return suffix
 
 
 def draw(figure: style.Figure):

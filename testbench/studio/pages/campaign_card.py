@@ -143,7 +143,7 @@ class Card:
         campaign = self.found.campaign
         if is_under_way(self.studio, campaign):
             raise UserError(f"{campaign.name} is being recorded now; stop the recording first")
-        self.studio.workspace.delete(campaign.name)
+        self.studio.delete(campaign.name)
         ui.navigate.reload()
 
     async def fill(self) -> None:

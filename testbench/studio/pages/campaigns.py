@@ -55,7 +55,7 @@ def _deleted(studio: Studio) -> None:
         return
 
     def restore(place) -> None:
-        studio.workspace.restore(place)
+        studio.restore(place)
         ui.navigate.reload()
 
     with ui.column().classes("card gap-1").props("role=status"):

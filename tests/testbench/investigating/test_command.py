@@ -85,6 +85,7 @@ def test_the_result_shows_itself(tmp_path, monkeypatch):
         (["pes", "--resume"], "leave SENSOR out"),
         (["--resume", "--model", "pes"], "--model: an investigation goes on as it began"),
         (["--port", "/dev/knitbench-is-not-there"], "/dev/knitbench-is-not-there"),
+        (["--port", "/dev/null", "--speed", "3"], "speed: is that of the simulated rig"),
         (["--port", "http://here"], "http://here"),
     ],
 )
@@ -107,6 +108,14 @@ def test_minutes_and_sureness_can_be_said_anew(tmp_path, sensor, monkeypatch):
     assert main([*on, "--sure", "0.9", "--budget-minutes", "6"]) == 1
     state = json.loads((folder / NAME).read_text())
     assert (len(state["runs"]), state["settings"]["budget_s"], state["settings"]["sure"]) == (3, 360, 0.9)
+
+
+def test_one_of_the_simulated_rig_does_not_go_on_with_a_real_sensor(tmp_path, sensor, monkeypatch, capsys):
+    believed(monkeypatch, 0.6, 0.7, 0.8)
+    folder = tmp_path / "i"
+    assert main(["investigate", sensor, "-o", str(folder), *BRIEF]) == 1
+    assert main(["investigate", "--resume", "-o", str(folder), "--port", "/dev/null", "--quiet"]) == 2
+    assert "was made on the simulated rig" in capsys.readouterr().err
 
 
 def test_a_folder_that_is_taken_and_a_damaged_state_are_refused(tmp_path, sensor, capsys):

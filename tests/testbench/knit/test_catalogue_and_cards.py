@@ -185,12 +185,21 @@ def test_an_effect_that_does_not_settle_on_finer_grids_is_caught(tmp_path: Path)
     assert "does not settle" in rules.converges(load_catalogue(tmp_path / "bad.py")["bad"]())
 
 
+OWN = """from testbench.knit.effect import Effect
+
+class A(Effect):
+    name = "own"
+"""
+
+
 @pytest.mark.parametrize(
     ("text", "complaint"),
     [
         ("import nothing_like_this", "cannot be loaded: ModuleNotFoundError"),
         ("import sys; sys.exit(0)", "cannot be loaded: SystemExit: 0"),
         ("x = 1", "no Effect class"),
+        (OWN + OWN.replace("class A", "class B"), "two effects are called own"),
+        (OWN + OWN.replace('"own"', '"other"'), "two classes are called A"),
     ],
 )
 def test_an_effects_file_that_cannot_be_used_is_named(text: str, complaint: str, tmp_path: Path) -> None:

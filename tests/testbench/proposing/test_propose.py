@@ -18,8 +18,8 @@ from testbench.measurements.splitting import split
 from testbench.proposing import Proposed, propose_law
 from testbench.proposing.blindness import not_judged
 from testbench.proposing.hunt import Hunt
-from testbench.proposing.words import _safe, first_line, proposal_text, story
-from testbench.proposing.writing import file_text
+from testbench.proposing.words import _safe, as_json, first_line, proposal_text, story
+from testbench.proposing.writing import effect_class, file_text
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
 from tests.testbench.asked_once import answered_once
@@ -137,7 +137,9 @@ def test_nothing_left_nothing_written(tmp_path: Path, capsys: pytest.CaptureFixt
     assert (
         main(["propose", first, "--held-out", second, "--gauge-length-mm", "25", "-o", str(effect), "--quiet"]) == 0
     )
-    assert capsys.readouterr().out.startswith("nothing is left above the noise: no law is proposed")
+    assert capsys.readouterr().out.startswith(
+        "nothing is left above the noise of the recording that is fitted: no law is proposed"
+    )
     assert sorted(p.name for p in tmp_path.iterdir()) == ["0.csv", "1.csv"]
 
 
@@ -150,6 +152,30 @@ def test_a_name_that_is_no_name_is_refused_before_any_work(
 ):
     assert main(["propose", "not-there.csv", "-o", str(tmp_path / output)]) == 2
     assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--json", "law.png"], "would be written twice"),
+        (["--save-model", "law.png"], "would be written twice"),
+        (["--plot", "law.txt"], "a figure is written as png, pdf, svg"),
+    ],
+)
+def test_places_that_cannot_hold_the_result_are_refused_before_any_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: list[str], said: str
+):
+    monkeypatch.chdir(tmp_path)
+    assert main(["propose", "not-there.csv", "-o", "law.py", *words]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_the_parameters_that_are_told_are_those_of_the_effect():
+    proposed = found()
+    told, grid = as_json(proposed)["laws"], proposed.grid
+    for (law, name), one in zip(proposed.laws, told, strict=True):
+        effect = effect_class(law, name, grid)(**one["parameters"])
+        assert set(one["parameters"]) == set(one["units"]) == set(one["meanings"]) <= set(type(effect).model_fields)
 
 
 def test_too_short_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]):

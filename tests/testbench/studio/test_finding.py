@@ -85,6 +85,17 @@ def test_deleting_is_undone_with_all_that_was_made(studio: Studio) -> None:
     assert workspace.deleted() == []
 
 
+def test_a_note_goes_and_comes_back_with_its_campaign(studio: Studio) -> None:
+    """Another campaign that gets the name meanwhile must not get the note."""
+    note = Note(("wet",), "sleeve torn at 40 s")
+    studio.notes.put("sleeve", note)
+    place = studio.delete("sleeve")
+    assert studio.notes.of("sleeve") == Note()
+    assert studio.restore(place) == "sleeve"
+    assert studio.notes.of("sleeve") == note
+    assert studio.workspace.deleted() == []
+
+
 def test_looking_at_a_deleted_campaign_does_not_take_the_place_of_its_results(studio: Studio) -> None:
     workspace = studio.workspace
     studio.make_results("model:sleeve")

@@ -180,8 +180,7 @@ def _named(law: proposed_law.FoundLaw, key: str) -> tuple[str, str]:
 
 def _value(law: proposed_law.FoundLaw, key: str, errors: Mapping[str, float]) -> str:
     value, unit = law.parameters[key], law.units.get(key, "")
-    stored = "gain_N" if key == "gain" and unit == "N" else key
-    error = errors.get(f"{law.effect}.{stored}")
+    error = errors.get(f"{law.effect}.{key}")
     if error:
         return with_error(value, error, unit)
     return in_words(value, unit)
