@@ -178,6 +178,11 @@ class Effect(BaseModel):
         for key, field in type(self).model_fields.items():
             value = getattr(self, key)
             if isinstance(value, tuple):
+                if (count := len(field.default)) != len(value):
+                    raise UserError(
+                        f"{type(self).__name__}.{key} must be {count} numbers, got {len(value)}; a model of another "
+                        "version is to be fitted again"
+                    )
                 bounds = bounds_of(field)
                 if value and not (bounds["low"] <= min(value) and max(value) <= bounds["high"]):
                     raise UserError(_allowed(type(self), key, value))

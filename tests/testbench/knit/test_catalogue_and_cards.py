@@ -272,8 +272,13 @@ def test_a_bad_model_is_refused_in_one_sentence(change: dict[str, object], compl
         ("stress_relaxation", {"share": 0.2}, "StressRelaxation has no parameter share; it has fraction, tau_s"),
         (
             "stress_relaxation_prony",
-            {"fractions": (0, 3)},
-            r"fractions must be numbers from -1 to 1, got \(0.0, 3.0\)",
+            {"fractions": (0, 3, 0, 0, 0, 0, 0)},
+            r"fractions must be numbers from -1 to 1, got \(0.0, 3.0, 0.0",
+        ),
+        (
+            "stress_relaxation_prony",
+            {"fractions": (0.1, 0.2)},
+            "StressRelaxationProny.fractions must be 7 numbers, got 2; a model of another version is to be fitted",
         ),
     ],
 )
