@@ -16,6 +16,7 @@ from testbench.knit.effect import Effect, FloatArray, bounds_of
 SAMPLES = 300
 EXPONENTS = (0.5, 1.0)
 SHARES = (0.0, 1.0, 0.5)  # of the strain in what the contacts feel
+STILL_SEEN = 0.02  # of the resistance or conductance, in series or parallel: less than that hardly shows
 CLEARLY_LESS = 0.8  # of the misfit of the usual start: where a less usual one has less, it is taken
 
 
@@ -77,6 +78,10 @@ def _fitted(contact: Effect, pressing: FloatArray, log_g: FloatArray) -> tuple[E
     keys = list(type(contact).model_fields)
     bounds = [bounds_of(type(contact).model_fields[key]) for key in keys]
     low, high = (np.log([extra[side] for extra in bounds]) for side in ("low", "high"))
+    # Far below the rest of the resistance nothing depends on these any more: no fit finds its way back from there.
+    median_ohm = float(np.exp(-np.median(log_g)))
+    for key, least in (("series_ohm", STILL_SEEN * median_ohm), ("parallel_S", STILL_SEEN / median_ohm)):
+        low[keys.index(key)] = max(low[keys.index(key)], np.log(least))
     signals = {"contact_force_N": pressing}
 
     def at(x: FloatArray) -> Effect:

@@ -65,8 +65,15 @@ def running_max(x: FloatArray) -> FloatArray:
 
 @njit("float64(float64, float64, float64)", cache=True, nogil=True)
 def _exact_step(z: float, step: float, skew: float) -> float:
-    """z after a step of x / threshold, exactly (up to a change of sign of z within it)."""
+    """z after a step of x / threshold, exactly."""
     ahead = 1.0 if step > 0.0 else -1.0
+    if z * ahead < 0.0:
+        # On the way to zero |z| falls by 1 + (1 - 2 skew) |z|; beyond zero it turns by another law.
+        slope = 1.0 - 2.0 * skew
+        size = abs(z)
+        way = size if abs(slope) < 1e-6 else math.log1p(slope * size) / slope
+        if way < abs(step):
+            z, step = 0.0, step - ahead * way
     side = ahead if z == 0.0 else (1.0 if z > 0.0 else -1.0)
     rate = (1.0 - skew) * ahead + skew * side
     # moved = (1 - exp(-rate step)) / rate, by its series for short steps

@@ -29,14 +29,20 @@ class Bins:
 
     def __init__(self, time_s: FloatArray, rate_hz: float) -> None:
         self._time_s = time_s
-        # A sample on the last edge, but for rounding, has a bin of its own.
-        count = int(time_s[-1] * rate_hz + 1e-6)
-        self._bin = np.minimum((time_s * rate_hz).astype(np.int64), count - 1)
+        # A sample on an edge, but for rounding, is behind it; one on the last edge has no bin of its own.
+        place = (time_s * rate_hz + 1e-6).astype(np.int64)
+        count = int(place[-1])
+        self._bin = np.minimum(place, count - 1)
         self._filled = np.bincount(self._bin, minlength=count)
         # Averages are only worth it where nearly every bin has a sample of its own.
         self._average = bool(np.mean(self._filled == 0) < 0.2 and len(time_s) > 1.5 * count)
-        self.grid_s = (np.arange(count) + (0.5 if self._average else 0.0)) / rate_hz
-        self._off_s = self._means(time_s) - self.grid_s if self._average else np.zeros(count)
+        self.grid_s = np.arange(count) / rate_hz
+        self._off_s = np.zeros(count)
+        if self._average:
+            # As samples at even times lie in all bins alike: nothing is moved then, not even over a sharp turn.
+            off_s = self._means(time_s) - self.grid_s
+            self.grid_s += np.median(off_s)
+            self._off_s = off_s - np.median(off_s)
 
     @property
     def is_read(self) -> np.ndarray:
@@ -52,9 +58,19 @@ class Bins:
         if not self._average:
             return np.interp(self.grid_s, self._time_s, values)
         means = self._means(values)
-        return means - self._off_s * np.gradient(means, self.grid_s)
+        return means - self._off_s * _gentler_slope(means, self.grid_s)
 
     def _means(self, values: FloatArray) -> FloatArray:
         sums = np.bincount(self._bin, weights=values, minlength=len(self.grid_s))
         gaps = np.interp(self.grid_s, self._time_s, values)
         return np.where(self._filled > 0, sums / np.maximum(self._filled, 1), gaps)
+
+
+def _gentler_slope(values: FloatArray, grid_s: FloatArray) -> FloatArray:
+    """The slope to the neighbour that is less steep, and none at a turn: what is moved along it never overshoots.
+
+    Source: van Leer, J. Comput. Phys. 32 (1979) 101 (slope limiters; Roe's minmod).
+    """
+    steps = np.diff(values) / np.diff(grid_s)
+    before, after = np.append(steps[:1], steps), np.append(steps, steps[-1:])
+    return np.where(before * after > 0, np.sign(before) * np.minimum(np.abs(before), np.abs(after)), 0.0)

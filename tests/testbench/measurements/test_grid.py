@@ -8,6 +8,7 @@ import pytest
 from testbench.comparing.model_errors import noise_floors
 from testbench.fitting.evidence.telling import HOLD_STEP, on_the_grid, telling
 from testbench.measurements import preparing
+from testbench.measurements.bins import Bins
 from testbench.measurements.coarser import _turns_kept, coarser
 from testbench.measurements.preparing import prepare
 from testbench.measurements.splitting import split
@@ -36,8 +37,28 @@ def test_samples_at_even_times_and_their_turns_are_kept():
     assert measurement.signals["strain"].max() == pytest.approx(0.2, abs=1e-9)
 
 
-def test_where_bins_are_averaged_the_grid_lies_in_their_middle():
-    assert prepare(triangles(100.0)).grid_s[0] == pytest.approx(0.02)
+def test_where_bins_are_averaged_the_grid_lies_in_the_middle_of_their_samples():
+    assert prepare(triangles(100.0)).grid_s[0] == pytest.approx(0.015)
+
+
+@pytest.mark.parametrize("rate_hz", [40.0, 50.0, 100.0, 200.0])
+@pytest.mark.parametrize("jitter", [0.0, 0.33])
+def test_a_sharp_turn_is_never_overshot(rate_hz, jitter):
+    """A friction would remember the turn that was not there for as long as the strain is held."""
+    steps = np.exp(jitter * np.random.default_rng(1).standard_normal(int(100 * rate_hz))) / rate_hz
+    time_s = np.cumsum(steps)
+
+    def strain_at(times_s):
+        """Up in 2 s, held for 2 s, down in 2 s, held for 2 s."""
+        return 0.1 * np.clip(np.abs((times_s % 8) - 5) - 1, 0, 2)
+
+    bins = Bins(time_s - time_s[0], 25.0)
+    binned, true = bins(strain_at(time_s)), strain_at(bins.grid_s + time_s[0])
+    assert 0.0 <= binned.min() <= binned.max() <= 0.2 + 1e-12
+    around = np.array([strain_at(bins.grid_s + time_s[0] + off_s) for off_s in (-0.06, 0.0, 0.06)])
+    held = np.ptp(around, axis=0) < 1e-12
+    assert np.abs(binned - true)[held].max() < 1e-12
+    assert np.abs(binned - true).max() < 0.1 * 0.04
 
 
 def test_what_is_held_out_cannot_be_seen_in_what_is_fitted():

@@ -106,6 +106,15 @@ def test_in_parts_bouc_wen_of_exponent_one_is_nearly_exact(skew) -> None:
     np.testing.assert_allclose(bouc_wen(LOOP, 0.1, skew, 1.0), bouc_wen_of_exponent_1(LOOP, 0.1, skew), atol=1e-3)
 
 
+@pytest.mark.parametrize("skew", [-0.5, 0.0, 0.3, 0.5, 0.9])
+def test_bouc_wen_of_exponent_one_does_not_depend_on_the_steps(skew) -> None:
+    """Not even where one of them takes z through zero."""
+    x = np.concatenate([np.linspace(0, 0.4, 21), np.linspace(0.4, -0.2, 31)[1:], np.linspace(-0.2, 0.3, 26)[1:]])
+    fine = np.interp(np.arange(0, len(x) - 1 + 1e-9, 1e-3), np.arange(len(x)), x)
+    there = bouc_wen_of_exponent_1(fine, 0.02, skew)[::1000]
+    np.testing.assert_allclose(bouc_wen_of_exponent_1(x, 0.02, skew), there, atol=1e-9)
+
+
 def test_a_bouc_wen_exponent_of_two_grows_like_a_hyperbolic_tangent() -> None:
     """dz/dx = (1 - z^2) / threshold from rest."""
     z = bouc_wen(LOOP, 0.1, 0.3, 2.0)
