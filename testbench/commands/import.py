@@ -34,7 +34,7 @@ UNITS = (
     ("resistance", "ohm, mohm, kohm, Mohm"),
     ("conductance", "S, mS, uS, nS"),
     ("temperature", "C, K, F"),
-    ("relative", "1, %%; default 1"),
+    ("relative", "1, %%, ‰, µε; of a ratio such as R/R0 1 where nothing says another"),
 )
 
 

@@ -119,7 +119,7 @@ def choose(layout: Layout, rows: Sequence[Sequence[str]], said: Said) -> Choice:
             choice.troubles.append(Trouble("several", role, tuple(columns)))
     _prefer(picked, choice, said)
     if len(times) > 1:
-        clocks |= _several_clocks(times, picked, choice)
+        clocks = _several_clocks(times, picked, choice, clocks)
     when = _columns_of(layout, rows, is_when)
     for role in ROLES:
         if role in picked:
@@ -276,12 +276,17 @@ def _is_plain(column: Column) -> bool:
     return strength > SYMBOL or (strength == SYMBOL and is_letter(column.heading.base))
 
 
-def _several_clocks(times: Sequence[Column], picked: dict[str, Column], choice: Choice) -> dict[str, Column]:
-    """Each channel's own time, where names or places tell; the main clock is the resistance's, else the force's."""
-    clocks = own_clocks(times, picked)
-    if clocks is None:
+def _several_clocks(
+    times: Sequence[Column], picked: dict[str, Column], choice: Choice, said: Mapping[str, Column]
+) -> dict[str, Column]:
+    """Each channel's own time, where a person, names or places tell; the main one is the resistance's, else the
+    force's.
+    """
+    found = own_clocks(times, {role: column for role, column in picked.items() if role not in said})
+    if found is None:
         choice.troubles.append(Trouble("several", "time", tuple(times)))
-        return {}
+        return dict(said)
+    clocks = {**found, **said}
     main = next(role for role in (*ELECTRICAL, "force", *picked) if role in clocks)
     picked["time"] = clocks[main]
     return {role: clock for role, clock in clocks.items() if clock is not clocks[main]}

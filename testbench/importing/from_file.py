@@ -34,6 +34,13 @@ from testbench.recordings.recording import Recording
 
 MANY_TIMES = 6.0  # R0; a change of 5 % that was read as 5. Cracked films do go further, so it is only said
 
+# Channels, what their columns are measured in, and the roles that give one.
+CHANNELS = (
+    (DISPLACEMENT, ("length",), STRETCH),
+    (FORCE, ("force",), {"force"}),
+    (RESISTANCE, ("resistance", "conductance"), set(ELECTRICAL)),
+)
+
 
 def look(path: Path, wish: Wish) -> tuple[Sheet, Choice]:
     """What the file looks like, and what each column would be taken for, troubles included.
@@ -166,7 +173,7 @@ def _recorded(
     done = Imported(recording, label, int((~kept).sum()), moved, repeated, float(when_s[0]), dict(read.words))
     strained = gauge_doubt(sheet, choice, read, wish.gauge_length_mm)
     done.doubts = [*_doubts(choice, recording, wish), *([strained] if strained else [])]
-    done.notes = [*choice.notes, *told, *_remarks(choice, recording)]
+    done.notes = [*choice.notes, *told, *_remarks(choice, recording, wish)]
     done.details = _details(sheet, choice, wish, done)
     return done
 
@@ -180,20 +187,16 @@ def _doubts(choice: Choice, recording: Recording, wish: Wish) -> list[str]:
     if one is not None and one.unit_from == NAMED and recording[RESISTANCE].max() > MANY_TIMES * (wish.r0_ohm or 1.0):
         times = recording[RESISTANCE].max() / (wish.r0_ohm or 1.0)
         said.append(f"{one.column.label} reaches {times:.0f} times R0; if it is in %, say --relative-unit %")
-    return [*said, *_overlooked(choice)]
+    return [*said, *_overlooked(choice, wish)]
 
 
-def _overlooked(choice: Choice) -> list[str]:
+def _overlooked(choice: Choice, wish: Wish) -> list[str]:
     """Columns of no known name (``DMM [kΩ]``) whose unit is that of something which was not found."""
-    missing = (
-        ("displacement", ("length",), STRETCH),
-        ("force", ("force",), {"force"}),
-        ("resistance", ("resistance", "conductance"), set(ELECTRICAL)),
-    )
     said = []
-    for role, quantities, alike in missing:
-        if set(choice.taken) & alike:
+    for channel, quantities, alike in CHANNELS:
+        if set(choice.taken) & alike or wish.leaves_out(alike):
             continue
+        role = channel.partition("_")[0]
         for column in choice.unused:
             units = {unit.quantity: unit for unit in units_spelt(column.unit_text)}
             fits = [quantity for quantity in quantities if quantity in units]
@@ -206,12 +209,13 @@ def _overlooked(choice: Choice) -> list[str]:
     return said
 
 
-def _remarks(choice: Choice, recording: Recording) -> list[str]:
+def _remarks(choice: Choice, recording: Recording, wish: Wish) -> list[str]:
     """What was not there, and what was not used."""
     said = []
-    missing = [name for name in (DISPLACEMENT, FORCE, RESISTANCE) if not recording.has(name)]
-    if missing:
-        said.append(f"without {' and '.join(missing)}: no column was found for it")
+    for channel, _, alike in CHANNELS:
+        if not recording.has(channel):
+            why = "as you said" if wish.leaves_out(alike) else "no column was found for it"
+            said.append(f"without {channel}: {why}")
     if choice.unused:
         said.append(f"not used: {', '.join(column.label for column in choice.unused[:12])}")
     return said

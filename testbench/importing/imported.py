@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from gcode.support.files import make_folder
 from testbench.recordings.files import write_recording_csv
 from testbench.recordings.manifest import CSV, Campaign, write_manifest
 from testbench.recordings.recording import Recording
@@ -89,16 +88,12 @@ def place_of(out: Path, label: str) -> Path:
     return out.with_name(f"{out.stem}-{label}{out.suffix}") if label else out
 
 
-def write_import(imported: Imported, out: Path) -> None:
-    """Write a plain ``.csv``, or a campaign folder."""
-    if out.suffix.lower() == ".csv":
-        write_recording_csv(out, imported.recording)
-        return
-    make_folder(out)
-    write_recording_csv(out / CSV, imported.recording)
+def write_import(imported: Imported, folder: Path) -> None:
+    """Write a campaign into an empty folder."""
+    write_recording_csv(folder / CSV, imported.recording)
     recipe = {"import": imported.details, "time_offset_s": imported.time_offset_s}
     counts = {"samples": len(imported.recording), "dropped": imported.dropped}
     counts |= {"moved": imported.moved, "repeated": imported.repeated}
     gauge = imported.recording.gauge_length_mm
     campaign = Campaign(gauge, "imported", "complete", recipe, counts, software_versions())
-    write_manifest(out, campaign, [CSV])
+    write_manifest(folder, campaign, [CSV])

@@ -63,6 +63,10 @@ class Wish:
     drop_bad: bool = False
     hints: Hints = field(default_factory=Hints)
 
+    def leaves_out(self, roles: Set[str]) -> bool:
+        """Whether one of these roles was said to be none."""
+        return any(self.columns.get(role) == NOT_THERE for role in roles)
+
     def __post_init__(self) -> None:
         for name in ("columns", "units", "time_of", "zero"):
             _check_by_role(name, getattr(self, name), or_none=name == "zero")

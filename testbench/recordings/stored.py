@@ -56,6 +56,7 @@ class ImportedColumn(StrictModel):
     unit: Label | None = None
     offset: Finite = 0.0
     clock: Label | None = None
+    days: Label | None = None
 
 
 class Imported(StrictModel):

@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gcode.support.errors import UserError
-from gcode.support.files import check_place, existing_file
+from gcode.support.files import check_place, drafted_folder, existing_file
 from gcode.support.html import card
 from gcode.support.kinds import path_of
 from testbench.campaigns.clearing import check_vacant, vacant
 from testbench.importing import from_file
 from testbench.importing.imported import Imported, place_of, write_import
 from testbench.importing.wish import Wish
+from testbench.recordings.files import write_recording_csv
 from testbench.recordings.recording import Recording
 
 if TYPE_CHECKING:
@@ -90,12 +91,15 @@ class ImportResult:
                 check_place(place, overwrite=overwrite)
                 if place.exists() and not overwrite:
                     raise UserError(f"{place}: is there; choose another place with -o, or add --overwrite")
-        else:
-            for make_room in (check_vacant, vacant):
-                for place in places:
-                    make_room(place, overwrite, "imported")
+            for one, place in zip(self.imported, places, strict=True):
+                write_recording_csv(place, one.recording)
+            return places
+        for place in places:
+            check_vacant(place, overwrite, "imported")
         for one, place in zip(self.imported, places, strict=True):
-            write_import(one, place)
+            with drafted_folder(place) as draft:
+                write_import(one, draft)
+                vacant(place, overwrite, "imported")  # the earlier one goes once the new one is whole
         return places
 
     def words(self, out: str | Path) -> str:

@@ -28,7 +28,9 @@ SEPARATORS = (",", ";", "\t", "|")
 BLANKS = " "  # any number of blanks is one separator
 MOST_BROKEN = 60  # lines of a row whose quoted cells have line breaks
 HEAD_BYTES = 1 << 20
-_GAP = re.compile(r"\t+| {2,}")
+# What may stand between names that have blanks themselves, where blanks part the numbers below them.
+BETWEEN_NAMES = (re.compile(r"\s*[,;|\t]\s*"), re.compile(r"\t+| {2,}"))
+AFTER_A_UNIT = re.compile(r"(?<=[)\]])\s+")
 
 
 class _Headed(io.TextIOBase):
@@ -180,10 +182,18 @@ def _split(lines: Sequence[str], separator: str) -> list[list[str]]:
 
 
 def _at_blanks(line: str) -> list[str]:
-    """Numbers stand apart by any blanks; names that have blanks themselves (``Force (N)``), by wider gaps."""
+    """Numbers stand apart by any blanks; names that have blanks themselves (``Force (N)``) by more.
+
+    That is a comma or the like, a wider gap, or the bracket behind the unit of each.
+    """
     cells = line.split()
-    wide = [cell.strip() for cell in _GAP.split(line.strip())]
-    return wide if len(wide) > 1 and not is_data(cells) else cells
+    if is_data(cells):
+        return cells
+    for between in BETWEEN_NAMES:
+        if len(names := between.split(line.strip())) > 1:
+            return names
+    names = AFTER_A_UNIT.split(line.strip())
+    return names if all(name.endswith((")", "]")) for name in names) else cells
 
 
 def _cells(lines: Sequence[str], separator: str) -> tuple[list[str], int]:

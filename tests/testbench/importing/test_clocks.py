@@ -28,6 +28,16 @@ TWO_CLOCKS = "t_R [s],R [ohm],t_F [s],F [N],t_x [s],x [mm]\n" + "".join(
 )
 
 
+@pytest.mark.parametrize("role", ["force", "displacement", "resistance"])
+def test_the_clock_of_one_channel_may_be_said_and_the_others_found(tmp_path, role):
+    (tmp_path / "lab.csv").write_text(TWO_CLOCKS)
+    clock = {"force": "t_F", "displacement": "t_x", "resistance": "t_R"}[role]
+    found, said = (import_csv(tmp_path / "lab.csv", Wish(40.0, time_of=one)).recording for one in ({}, {role: clock}))
+    assert said.time_s == pytest.approx(found.time_s)
+    for name, values in found.channels.items():
+        assert said[name] == pytest.approx(values)
+
+
 @pytest.mark.parametrize(
     ("unit", "said"), [("t_F", "does not say its unit"), ("t_F [ticks]", "'ticks' cannot be read")]
 )

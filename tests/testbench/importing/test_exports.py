@@ -31,6 +31,42 @@ def test_testxpert_has_its_units_in_a_row_and_the_conversion_is_shown(tmp_path, 
     assert "force: column 3 'Standardkraft' in kN (row 2): 0.0002 kN read as 0.2 N" in said
 
 
+@pytest.mark.parametrize(
+    "header", ["# t (s), x (mm), F (N), R (ohm)", "t (s);x (mm);F (N);R (ohm)", "t (s) x (mm) F (N) R (ohm)"]
+)
+def test_names_with_blanks_may_stand_over_columns_that_blanks_part(tmp_path, header):
+    """As `numpy.savetxt(..., header="t (s), x (mm), ...")` writes them."""
+    rows = [f"{0.1 * n:.1f} {abs(n % 40 - 20) * 0.2:.1f} {2 + 0.05 * n:.2f} {300 - n}" for n in range(60)]
+    (tmp_path / "lab.txt").write_text("\n".join([header, *rows]) + "\n")
+    recording = import_csv(tmp_path / "lab.txt", Wish(40.0)).recording
+    assert recording["force_N"] == pytest.approx(2 + 0.05 * np.arange(60))
+    assert recording["resistance_ohm"] == pytest.approx(300 - np.arange(60))
+
+
+def test_an_import_that_fails_leaves_the_earlier_one(tmp_path, monkeypatch, capsys):
+    words = ["import", str(exports.testxpert(tmp_path)), "--gauge-length-mm", "40", "-o", str(tmp_path / "out")]
+    assert main(words) == 0
+    before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
+
+    def full(*_args):
+        raise UserError("no space left")
+
+    monkeypatch.setattr("testbench.importing.imported.write_manifest", full)
+    assert main([*words, "--overwrite"]) == 2
+    assert main([*words[:-1], str(tmp_path / "new")]) == 2
+    assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
+    assert not (tmp_path / "new").exists()
+    assert not list(tmp_path.glob(".*"))
+    monkeypatch.undo()
+    assert main([*words, "--overwrite"]) == 0
+
+
+def test_a_channel_that_is_declined_is_not_looked_for(tmp_path):
+    done = import_csv(exports.testxpert(tmp_path), Wish(40.0, {"force": "none"}))
+    assert not any("force" in doubt for doubt in done.doubts)
+    assert "without force_N: as you said" in done.notes
+
+
 def test_bluehill_has_titles_a_results_table_and_two_positions(tmp_path):
     path = exports.bluehill(tmp_path)
     done = import_csv(path, Wish(40.0))
