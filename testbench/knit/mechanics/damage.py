@@ -61,7 +61,7 @@ class MullinsSoftening(MullinsLaw):
 class MullinsSofteningPower(MullinsLaw):
     """Below the largest stretch so far the knit is softer, as a power of how far below it is.
 
-    F *= 1 - softening * (e_max / span)^growth * (1 - (e / e_max)^power)
+    F *= 1 - softening * min((e_max / span)^growth, 1 / 0.9) * (1 - (e / e_max)^power)
 
     Source: pseudo-elasticity as `mullins_softening`; powers of the relative strain in place of its error function.
     Valid: the first few stretches; no healing; `span` is the largest strain of the recording.
