@@ -72,8 +72,8 @@ def noise_floor(values: FloatArray) -> float:
     """Standard deviation of the sample-to-sample noise of a smooth signal.
 
     Second differences cancel the motion and leave noise: for white noise their variance is 6 sigma^2. Noise with a
-    longer memory than a few samples is not seen. A hum is no noise: it can be foretold. Where times jitter, the motion
-    between them is not cancelled: its speed times the jitter is in here, too.
+    longer memory than a few samples is not seen. A hum is no noise: it can be foretold. Where times jitter, the
+    motion between them is not cancelled: its speed times the jitter is in here, too.
     Values that come in steps are not known better than a step over the square root of 12.
 
     Parameters
