@@ -69,7 +69,7 @@ def parameter(
     ----------
     default : float or tuple of float
         Value when nothing is said, and the centre of a diagnosis's prior; a tuple declares a vector whose entries
-        share unit and bounds.
+        share unit and bounds. It has as many numbers, or any number of them where the tuple has one.
     unit : str
         SI symbol; ``"1"`` for dimensionless.
     low, high : float
@@ -178,7 +178,8 @@ class Effect(BaseModel):
         for key, field in type(self).model_fields.items():
             value = getattr(self, key)
             if isinstance(value, tuple):
-                if (count := len(field.default)) != len(value):
+                # One number alone stands for as many as there are recordings.
+                if 1 < (count := len(field.default)) != len(value):
                     raise UserError(
                         f"{type(self).__name__}.{key} must be {count} numbers, got {len(value)}; a model of another "
                         "version is to be fitted again"
