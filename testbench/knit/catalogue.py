@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from gcode.support.errors import UserError
+from gcode.support.strict import read_bytes
 from testbench.knit.effect import Effect
 from testbench.knit.effect_names import check_free
 from testbench.knit.model import FORMAT, FORMAT_VERSION, KnitModel
@@ -271,7 +272,7 @@ def _effects_in_file(path: Path) -> dict[str, type[Effect]]:
 
 def _check_classes(path: Path) -> None:
     """Refuse two classes of one name: Python keeps the second alone."""
-    tree = ast.parse(path.read_bytes())
+    tree = ast.parse(read_bytes(path, "file of effects"))
     counted = Counter(node.name for node in tree.body if isinstance(node, ast.ClassDef))
     for name, count in counted.items():
         if count > 1:
