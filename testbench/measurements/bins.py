@@ -40,9 +40,8 @@ class Bins:
         self._off_s = np.zeros(count)
         if self._average:
             # As samples at even times lie in all bins alike: nothing is moved then, not even over a sharp turn.
-            off_s = self._means(time_s) - self.grid_s
-            self.grid_s += np.median(off_s)
-            self._off_s = off_s - np.median(off_s)
+            self.grid_s += np.median((self._means(time_s) - self.grid_s)[self._filled > 0])
+            self._off_s = self._means(time_s) - self.grid_s  # none where a bin is empty: interpolated at its point
 
     @property
     def is_read(self) -> np.ndarray:
@@ -58,7 +57,7 @@ class Bins:
         if not self._average:
             return np.interp(self.grid_s, self._time_s, values)
         means = self._means(values)
-        return means - self._off_s * _gentler_slope(means, self.grid_s)
+        return means - self._off_s * _gentler_slope(means, self.grid_s + self._off_s)
 
     def _means(self, values: FloatArray) -> FloatArray:
         sums = np.bincount(self._bin, weights=values, minlength=len(self.grid_s))
@@ -66,11 +65,11 @@ class Bins:
         return np.where(self._filled > 0, sums / np.maximum(self._filled, 1), gaps)
 
 
-def _gentler_slope(values: FloatArray, grid_s: FloatArray) -> FloatArray:
+def _gentler_slope(values: FloatArray, time_s: FloatArray) -> FloatArray:
     """The slope to the neighbour that is less steep, and none at a turn: what is moved along it never overshoots.
 
     Source: van Leer, J. Comput. Phys. 32 (1979) 101 (slope limiters; Roe's minmod).
     """
-    steps = np.diff(values) / np.diff(grid_s)
+    steps = np.diff(values) / np.diff(time_s)
     before, after = np.append(steps[:1], steps), np.append(steps, steps[-1:])
     return np.where(before * after > 0, np.sign(before) * np.minimum(np.abs(before), np.abs(after)), 0.0)

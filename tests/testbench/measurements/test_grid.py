@@ -61,6 +61,13 @@ def test_a_sharp_turn_is_never_overshot(rate_hz, jitter):
     assert np.abs(binned - true).max() < 0.1 * 0.04
 
 
+def test_an_empty_bin_holds_what_lies_between_its_neighbours_at_its_own_time():
+    time_s = np.arange(0, 100, 0.02)
+    time_s = np.delete(time_s, [500, 501, 502, 503, 504])
+    bins = Bins(time_s, 25.0)
+    np.testing.assert_allclose(bins(3.0 * time_s), 3.0 * bins.grid_s, atol=1e-9)
+
+
 def test_what_is_held_out_cannot_be_seen_in_what_is_fitted():
     """With a jump of the force in the last third the calibration is the same to the last bit."""
     whole = triangles(12.0, 0.01)
