@@ -63,10 +63,10 @@ def run(args: argparse.Namespace) -> int:
     if not found.is_proposed:
         if args.json != "-":
             print("\nno law: no effect, picture or model was written")
-    else:
-        written = [*found.write(output, picture), *([args.save_model] if args.save_model else [])]
-        if args.save_model:
-            found.save(args.save_model)
-        if args.json != "-":
-            print(f"\nwrote {' and '.join(map(str, written))}\nnext: testbench effects --effects {output} --check")
+        return 0
+    written = [*found.write(output, picture), *([args.save_model] if args.save_model else [])]
+    if args.save_model:
+        found.save(args.save_model)
+    if args.json != "-":
+        print(f"\nwrote {' and '.join(map(str, written))}\nnext: testbench effects --effects {output} --check")
     return 0
