@@ -279,7 +279,7 @@ def _is_plain(column: Column) -> bool:
 def _several_clocks(
     times: Sequence[Column], picked: dict[str, Column], choice: Choice, said: Mapping[str, Column]
 ) -> dict[str, Column]:
-    """Each channel's own time, as a person, names or places tell; the main one is the resistance's, or the force's."""
+    """Each channel's own time, by a person, names or places; the main one is the resistance's, or the force's."""
     found = own_clocks(times, {role: column for role, column in picked.items() if role not in said})
     if found is None:
         choice.troubles.append(Trouble("several", "time", tuple(times)))
