@@ -62,7 +62,7 @@ void setup() {
   Wire.write(0x00);  // point at the conversion register, for all reads to come
   Wire.endTransmission();
   knit_reset(&compensator);
-  conversion_due_us = micros();
+  conversion_due_us = micros() + 2 * CONVERSION_US;  // until then its register holds no conversion
   sample_due_us = conversion_due_us + SAMPLE_US;
 }
 

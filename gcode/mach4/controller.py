@@ -53,8 +53,10 @@ class Machine(SpecModel):
 
 def machine_for(program: Program, acceleration_mm_per_s2: float | None = None) -> Machine:
     """The machine a program was written for: the given acceleration, else its header's, else 100 mm/s2."""
-    stated = acceleration_mm_per_s2 or program.header_number("machine_acceleration_mm_per_s2")
-    return Machine(acceleration_mm_per_s2=stated or DEFAULT_ACCELERATION_MM_PER_S2)
+    stated = acceleration_mm_per_s2
+    if stated is None:
+        stated = program.header_number("machine_acceleration_mm_per_s2") or DEFAULT_ACCELERATION_MM_PER_S2
+    return Machine(acceleration_mm_per_s2=stated)
 
 
 def execute(program: Program, machine: Machine) -> Motion:

@@ -16,6 +16,9 @@ from gcode.trajectories.trajectory import Trajectory, TrajectorySpec, position_d
 MOST_STROKES = 2_000_000
 # Finite differences of rounded positions, and the executed motion's own deviations, need some room.
 _MARGINS = (0.95, 0.9, 0.8, 0.6)
+# A controller follows a plan within micrometres where the plan uses at most half of its acceleration: more of it, and
+# turns that lie between two samples are cut or passed by tenths of a millimetre.
+_FOLLOWED = 0.5
 # A tenth of a yarn's fibre, and a house: what is beyond would be planned for ever.
 SHORTEST_GAUGE_MM, LONGEST_GAUGE_PLANNED_MM = 1e-3, 10_000.0
 
@@ -56,7 +59,7 @@ def plan(spec: TrajectorySpec, seed: int, gauge_length_mm: float, *, reserve: fl
 def _within(spec: TrajectorySpec, seed: int, gauge_length_mm: float, margin: float) -> Trajectory:
     decimals = position_decimals(spec.rate_hz)
     v_max = max(spec.limits.v_max_mm_per_s - 10.0**-decimals * spec.rate_hz, 0.9 * spec.limits.v_max_mm_per_s)
-    a_max = spec.limits.a_max_mm_per_s2 * margin
+    a_max = min(spec.limits.a_max_mm_per_s2, _FOLLOWED * spec.controller_acceleration_mm_per_s2) * margin
     path = whole_path(spec, seed, gauge_length_mm, v_max, a_max)
     _check_samples(float(path.duration_s.sum()) * spec.rate_hz)
     check_travel(path, spec.limits)

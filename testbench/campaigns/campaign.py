@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from gcode.support.errors import UserError
-from gcode.support.files import copy_file, drafted_folder, make_folder
+from gcode.support.files import copy_file, make_folder
+from testbench.campaigns.clearing import replaced
 from testbench.campaigns.plan import EFFECTS, PROGRAM, Plan, past_names
 from testbench.recordings import manifest
 from testbench.recordings.files import write_recording_csv
@@ -18,13 +19,11 @@ from testbench.recordings.manifest import CSV, Campaign, read_manifest, write_ma
 from testbench.recordings.recording import Recording
 from testbench.recordings.versions import software_versions
 from testbench.rig.acquisition.recorder import DISK_STATES, Recorder, Report, Status, counts
-from testbench.rig.acquisition.sink import BAD, EVENTS, Sink
+from testbench.rig.acquisition.sink import BAD, COMPENSATED, EVENTS, Sink
 from testbench.rig.connection.parts import Part, in_memory
 from testbench.rig.protocol.stream import Intake
 from testbench.rig.simulation.at_once import at_once
 from testbench.rig.simulation.simulated import Motion
-
-COMPENSATED = "compensated.csv"  # what a compensator made of it while it was recorded
 
 
 def matches(folder: Path, plan: Plan) -> bool:
@@ -37,20 +36,24 @@ def matches(folder: Path, plan: Plan) -> bool:
     return same and campaign.status == "complete" and not manifest.problems(folder)
 
 
-def simulate_campaign(plan: Plan, folder: Path, motion: Motion, report: Report = lambda status: None) -> Status:
+def simulate_campaign(
+    plan: Plan, folder: Path, motion: Motion, report: Report = lambda status: None, overwrite: bool = False
+) -> Status:
     """Run `plan` on the simulated rig at once and write its campaign folder, whole or not at all.
 
     Parameters
     ----------
     plan : Plan
     folder : Path
-        Must not exist yet, or be empty (see `testbench.campaigns.clearing.vacant`).
+        Must not exist yet, or be empty; see `testbench.campaigns.clearing.replaced`.
     motion : Motion
         What the controller makes of the plan's program.
     report : callable
         Called with the progress.
+    overwrite : bool
+        Replace another simulated campaign in `folder`, once this one is whole.
     """
-    with drafted_folder(folder) as draft:
+    with replaced(folder, overwrite) as draft:
         plan.copy_sources(draft)
         # Intake: a rig that delivers at once has no host time to hold its clock against.
         status = _fill(draft, plan, motion, report, at_once(plan.rig(motion)), Intake(host_clock=False))
@@ -148,16 +151,17 @@ def finish(
     return replace(status, state=state, message="; ".join(filter(None, (status.message, unfinished))))
 
 
-def write_derived(folder: Path, recording: Recording, how: str, details: dict[str, Any], program: Path) -> None:
+def write_derived(
+    folder: Path, recording: Recording, how: str, details: dict[str, Any], program: Path, overwrite: bool = False
+) -> None:
     """Write a recording that was made from another one; its recipe is the other's plus `details` under `how`."""
-    make_folder(folder)
-    write_recording_csv(folder / CSV, recording)
-    copy_file(program, folder / PROGRAM)
     recipe = {**recording.metadata.get("recipe", {}), how: {**details, "source": Path(recording.source).name}}
-    made = Campaign(
-        recording.gauge_length_mm, how, "complete", recipe, {"samples": len(recording)}, software_versions()
-    )
-    write_manifest(folder, made, campaign_files(folder))
+    counted = {"samples": len(recording)}
+    made = Campaign(recording.gauge_length_mm, how, "complete", recipe, counted, software_versions())
+    with replaced(folder, overwrite, how) as draft:
+        write_recording_csv(draft / CSV, recording)
+        copy_file(program, draft / PROGRAM)
+        write_manifest(draft, made, campaign_files(draft))
 
 
 def campaign_files(folder: Path) -> list[str]:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from gcode.support.errors import UserError
-from testbench.campaigns.campaign import COMPENSATED
+from gcode.support.files import drafted_folder
 from testbench.campaigns.plan import EFFECTS, PROGRAM
 from testbench.recordings import manifest
 from testbench.recordings.manifest import CSV, origin_of
-from testbench.rig.acquisition.sink import BAD, EVENTS, ROOM
+from testbench.rig.acquisition.sink import BAD, COMPENSATED, EVENTS, ROOM
 
 _ALL_NAMES = "|".join(
     [*map(re.escape, (manifest.NAME, CSV, PROGRAM, EVENTS, BAD, COMPENSATED, EFFECTS)), r"before-\d+\.tap"]
@@ -33,6 +35,23 @@ def vacant(folder: Path, overwrite: bool = False, origin: str = "simulated") -> 
         for path in sorted(folder.iterdir(), key=lambda path: path.name == manifest.NAME):
             path.unlink(missing_ok=True)
         folder.rmdir()
+
+
+@contextmanager
+def replaced(folder: Path, overwrite: bool = False, origin: str = "simulated") -> Iterator[Path]:
+    """Yield a new folder for a campaign; at the end, it takes the place of an earlier one in `folder`.
+
+    Where the block fails, or the process is killed in it, the earlier one stays as it is.
+
+    Raises
+    ------
+    UserError
+        As `check_vacant`, before the block.
+    """
+    check_vacant(folder, overwrite, origin)
+    with drafted_folder(folder) as draft:
+        yield draft
+        vacant(folder, overwrite, origin)
 
 
 def check_vacant(folder: Path, overwrite: bool = False, origin: str = "simulated") -> None:

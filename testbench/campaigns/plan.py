@@ -76,7 +76,7 @@ class Plan:
     def rig(self, motion: Motion) -> SimulatedRig:
         """The rig that will play this plan along `motion`."""
         earlier = [_played(path, sha256_of(path), self.gauge_length_mm) for path in self.past]
-        past_mm = past_displacement(earlier, self.rest_s)
+        past_mm = past_displacement(earlier, self.rest_s, float(motion.displacement_mm[0]))
         return SimulatedRig(self.model, motion, self.gauge_length_mm, self.seed, self.instruments, past_mm)
 
     def wire_lines(self, motion: Motion) -> list[bytes]:

@@ -105,9 +105,8 @@ class SimulatedBench:
         plan = self.plan(order)
         if matches(order.folder, plan):
             return
-        vacant(order.folder, overwrite=True)
         motion, _ = played(order.program, order.gauge_length_mm)
-        simulate_campaign(plan, order.folder, motion, report)
+        simulate_campaign(plan, order.folder, motion, report, overwrite=True)
 
 
 @dataclass(frozen=True)

@@ -71,13 +71,11 @@ def _is_of_a_campaign(path: Path) -> bool:
 def _load_campaign(folder: Path, gauge_length_mm: float | None) -> Recording:
     path, campaign = verified(folder)
     columns = read_columns(path, growing=campaign.in_progress)
-    own_mm = campaign.gauge_length_mm
+    own_mm, given_mm = campaign.gauge_length_mm, known_length(gauge_length_mm, str(folder))
     if np.isnan(own_mm):
-        own_mm = known_length(gauge_length_mm, str(folder))
-    elif gauge_length_mm is not None and gauge_length_mm != own_mm:
-        say_once(
-            f"{folder}: its manifest says a gauge length of {own_mm:g} mm, which is used, not {gauge_length_mm:g} mm"
-        )
+        own_mm = given_mm
+    elif not np.isnan(given_mm) and given_mm != own_mm:
+        say_once(f"{folder}: its manifest says a gauge length of {own_mm:g} mm, which is used, not {given_mm:g} mm")
     return _recording(path, columns, own_mm, asdict(campaign))
 
 

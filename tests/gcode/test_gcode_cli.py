@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 
@@ -43,6 +44,12 @@ def test_play_gives_the_planned_positions_on_time(folder, tmp_path, capsys):
     size = min(len(executed.time_s), len(planned.time_s))
     assert np.abs(executed.position_mm[:size] - planned.position_mm[:size]).max() < 0.05
     assert "100 mm/s2" in capsys.readouterr().out
+
+
+def test_a_controller_without_acceleration_plays_nothing(folder, tmp_path, capsys):
+    """It was as if nothing had been said."""
+    assert main(["play", str(folder / "program.tap"), "-o", str(tmp_path / "e.csv"), "--acceleration", "0"]) == 2
+    assert re.search("acceleration_mm_per_s2.*greater than 0", capsys.readouterr().err)
 
 
 def test_check_tells_good_from_bad(folder, capsys):

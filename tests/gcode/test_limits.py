@@ -110,6 +110,18 @@ def test_a_move_below_the_programs_last_digit_is_no_move():
         plan(spec, 1, 25.0)
 
 
+@pytest.mark.parametrize("machine_mm_per_s2", [2.0, 5.0, 20.0, 60.0])
+@pytest.mark.parametrize("speed_mm_per_s", [0.5, 2.0])
+def test_a_sluggish_controller_does_what_is_planned(speed_mm_per_s, machine_mm_per_s2):
+    """Planned with the limit's acceleration alone, it cut the turns by a millimetre, at twice the speed."""
+    triangle = Triangle(high_percent=20.0, speed_mm_per_s=speed_mm_per_s, cycles=3)
+    made = make(TrajectorySpec.of(triangle, machine_acceleration_mm_per_s2=machine_mm_per_s2), 1, 25.0)
+    done = play(read_program(made.program), made.spec.rate_hz)
+    position_mm = np.interp(made.trajectory.time_s, done.time_s, done.position_mm)
+    assert np.abs(position_mm - made.trajectory.position_mm).max() < 0.03
+    assert made.statistics.v_max_mm_per_s < 1.02 * speed_mm_per_s
+
+
 def test_limits_hold_at_any_rate_on_a_controller_set_to_the_limit():
     spec = preset("paper-1").model_copy(update={"machine_acceleration_mm_per_s2": 20.0})
     fine = play(read_program(make(spec, 3, 25.0).program), 500.0, Machine(acceleration_mm_per_s2=20.0))

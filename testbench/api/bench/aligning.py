@@ -16,7 +16,6 @@ from testbench.api.bench.running import program_file
 from testbench.campaigns import alignment
 from testbench.campaigns.alignment import PLANNED, Alignment
 from testbench.campaigns.campaign import write_derived
-from testbench.campaigns.clearing import vacant
 from testbench.campaigns.plan import PROGRAM
 from testbench.recordings.channels import DISPLACEMENT
 from testbench.recordings.recording import Recording
@@ -84,9 +83,8 @@ class AlignmentResult:
     def write(self, folder: str | Path, overwrite: bool = False) -> Path:
         """Write the aligned recording as a campaign; `overwrite` replaces an earlier one in `folder`."""
         folder = path_of(folder, "folder")
-        vacant(folder, overwrite, "aligned")
         with program_file(self.program) as program:
-            write_derived(folder, self.recording, "aligned", self.to_dict(), program)
+            write_derived(folder, self.recording, "aligned", self.to_dict(), program, overwrite)
         return folder
 
     def _repr_html_(self) -> str:

@@ -15,7 +15,7 @@ from gcode.support.errors import UserError
 from gcode.support.files import write_text
 from gcode.support.html import card
 from gcode.support.kinds import instance, number, path_of, whole
-from testbench.api.arguments import AnyModel, catalogue_of, model_file_of, model_name
+from testbench.api.arguments import AnyModel, catalogue_of, is_preset, model_file_of, model_name
 from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live
 from testbench.campaigns.clearing import vacant
 from testbench.campaigns.plan import Plan, programs_before
@@ -178,15 +178,28 @@ def run(
         plan, motion = planned(knit, path, seed, gauge_length_mm, instruments, earlier, rest_s, name, own)
         if matches(folder, plan):
             return RunResult(folder, None, name, seed)
-        if folder.resolve() in {source.resolve() for source in earlier}:
-            raise UserError(f"{folder}: cannot replace a campaign that this one comes after; choose another with -o")
-        vacant(folder, overwrite)
+        _check_apart(folder, [path, *earlier, *plan.past, *filter(None, [own, _file_of(model)])])
         if real_time:
+            vacant(folder, overwrite)
             with stop_signals() as stopped:
                 status = simulate_live(plan, folder, motion, report, at_the_machines_pace, stopped)
         else:
-            status = simulate_campaign(plan, folder, motion, report)
+            status = simulate_campaign(plan, folder, motion, report, overwrite)
     return RunResult(folder, status, name, seed)
+
+
+def _file_of(model: AnyModel) -> Path | None:
+    """The file that a model comes from, if it does."""
+    return Path(model) if isinstance(model, str | Path) and not is_preset(model) else None
+
+
+def _check_apart(folder: Path, sources: Iterable[Path]) -> None:
+    """Refuse to replace a campaign that the new one is made from."""
+    for source in sources:
+        if folder.resolve() in (source.resolve(), source.resolve().parent):
+            raise UserError(
+                f"{folder}: cannot replace a campaign that this one is made from ({source}); choose another with -o"
+            )
 
 
 @contextlib.contextmanager

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gcode.support.errors import UserError
-from gcode.support.files import check_place, drafted_folder, existing_file
+from gcode.support.files import check_place, existing_file
 from gcode.support.html import card
 from gcode.support.kinds import path_of
-from testbench.campaigns.clearing import check_vacant, vacant
+from testbench.campaigns.clearing import check_vacant, replaced
 from testbench.importing import from_file
 from testbench.importing.imported import Imported, place_of, write_import
 from testbench.importing.wish import Wish
@@ -97,9 +97,8 @@ class ImportResult:
         for place in places:
             check_vacant(place, overwrite, "imported")
         for one, place in zip(self.imported, places, strict=True):
-            with drafted_folder(place) as draft:
+            with replaced(place, overwrite, "imported") as draft:
                 write_import(one, draft)
-                vacant(place, overwrite, "imported")  # the earlier one goes once the new one is whole
         return places
 
     def words(self, out: str | Path) -> str:

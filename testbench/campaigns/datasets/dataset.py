@@ -15,7 +15,6 @@ from gcode.support import strict
 from gcode.support.errors import UserError
 from gcode.support.files import clear_drafts, sha256_of, write_text
 from testbench.campaigns.campaign import matches, simulate_campaign
-from testbench.campaigns.clearing import vacant
 from testbench.campaigns.datasets.index import write_entries
 from testbench.campaigns.datasets.splits import SPLITS, split_of
 from testbench.campaigns.datasets.tasks import Task, motion_of
@@ -28,9 +27,8 @@ def make(task: Task) -> bool:
     plan = task.plan()
     if _there(task.folder, plan):
         return False
-    vacant(task.folder, overwrite=True)
     try:
-        simulate_campaign(plan, task.folder, motion_of(task.program, task.gauge_length_mm))
+        simulate_campaign(plan, task.folder, motion_of(task.program, task.gauge_length_mm), overwrite=True)
     except (OSError, UserError):
         # A scheduler may give a task to two workers when it believes the first one dead.
         if not _there(task.folder, plan):

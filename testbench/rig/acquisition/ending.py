@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from gcode.support.arrays import FloatArray
 from testbench.rig.protocol.items import Row
 from testbench.rig.simulation.simulated import Motion
 
 MOVED_MM = 0.2  # more than noise and play of the machine
+STILL_MM = 0.002  # from its end, a plan has ended
 TAIL_S = 1.0  # recorded after the end of the motion
 LONGEST_TIMES = 2.0  # times the planned duration; a stage that moves on for longer is at something else
 WHOLE_WAY = 0.95  # of the planned way: what play, noise and lost lines may take from it
@@ -18,31 +21,38 @@ _PLAN_HZ = 20.0  # at which a plan is followed, about as often as a device tells
 
 @dataclass
 class Way:
-    """How far the stage has come, to and fro, in steps of more than `MOVED_MM`, and since when it stands.
+    """How far the stage has come, to and fro, and since when it stands.
+
+    It turns where it comes back by more than `MOVED_MM`, and stands while it stays within as much.
 
     Attributes
     ----------
-    done_nm : int
-    longest_rest_us, since_us : float
-        The longest time between two steps, and when the last one was.
+    since_us : float
+        When it last went on by `MOVED_MM`.
     """
 
-    done_nm: int = 0
-    longest_rest_us: float = 0.0
     since_us: float | None = None
     _at_nm: int | None = None
+    _before_nm: int = 0  # the way up to the last turn
+    _turn_nm: int = 0
+    _far_nm: int = 0  # the farthest since then
+
+    @property
+    def done_nm(self) -> int:
+        """The way up to now."""
+        return self._before_nm + abs(self._far_nm - self._turn_nm)
 
     def follow(self, time_us: int, displacement_nm: int) -> float:
         """See where the stage is now; returns for how long it has stood, in microseconds."""
         if self._at_nm is None:
-            self._at_nm = displacement_nm
-        step_nm = abs(displacement_nm - self._at_nm)
-        if step_nm > MOVED_MM * 1e6:
-            if self.since_us is not None:
-                self.longest_rest_us = max(self.longest_rest_us, time_us - self.since_us)
-            self.done_nm, self._at_nm, self.since_us = self.done_nm + step_nm, displacement_nm, time_us
-        elif self.since_us is None:
-            self.since_us = time_us
+            self._at_nm = self._turn_nm = self._far_nm = displacement_nm
+        if self.since_us is None or abs(displacement_nm - self._at_nm) > MOVED_MM * 1e6:
+            self._at_nm, self.since_us = displacement_nm, time_us
+        on_nm = displacement_nm - self._far_nm
+        if on_nm * (self._far_nm - self._turn_nm) > 0:
+            self._far_nm = displacement_nm
+        elif abs(on_nm) > MOVED_MM * 1e6:
+            self._before_nm, self._turn_nm, self._far_nm = self.done_nm, self._far_nm, displacement_nm
         return time_us - self.since_us
 
     def unseen(self) -> None:
@@ -58,8 +68,9 @@ class EndOfMotion:
     from the first movement that is seen, less the time the plan takes to get there. A machine may be slower than
     planned (another acceleration, another feed, a clock of its own): then it is somewhere in the program when the
     planned time is over, perhaps at a hold or a slow reversal. So the recording goes on until the stage has come all
-    of the planned way and stands at its end. Where lines were lost, or the machine was stopped, it never seems to:
-    then it is over once the stage has stood for longer than any rest of the program can last.
+    of the planned way, has had the time for its last bit, and has stood there. Where lines were lost, or the machine
+    was stopped, it never seems to: then it is over once the stage has stood for longer than any rest of the program
+    can last.
 
     Attributes
     ----------
@@ -70,7 +81,9 @@ class EndOfMotion:
     way_nm, end_nm : int
         The planned way, to and fro, and where it ends, from where it starts.
     longest_rest_s : float
-        The longest that the plan stands, before its end.
+        The longest that the plan may seem to stand before its end: no step of `MOVED_MM`, wherever they begin.
+    near_s, last_s : float
+        When the plan comes within `MOVED_MM` of its end to stay, and how long it then goes on moving.
     """
 
     duration_s: float
@@ -78,9 +91,12 @@ class EndOfMotion:
     way_nm: int
     end_nm: int
     longest_rest_s: float
+    near_s: float
+    last_s: float
     _way: Way = field(default_factory=Way)
     _start_nm: int | None = None
     _end_us: float = float("inf")
+    _near_us: float | None = None
 
     @classmethod
     def of(cls, motion: Motion) -> EndOfMotion:
@@ -93,8 +109,12 @@ class EndOfMotion:
         positions_mm = np.interp(times_s, motion.time_s, from_start_mm)
         for time_us, position_nm in zip((1e6 * times_s).tolist(), (1e6 * positions_mm).tolist(), strict=True):
             planned.follow(round(time_us), round(position_nm))
+        to_go_mm = np.abs(positions_mm - positions_mm[-1])
+        near, still = (_last_above(to_go_mm, least_mm) + 1 for least_mm in (MOVED_MM, STILL_MM))
+        rest_s = _longest_within(2 * MOVED_MM, positions_mm[:near]) / _PLAN_HZ
         end_nm = round(1e6 * float(from_start_mm[-1]))
-        return cls(motion.duration_s, first_s, planned.done_nm, end_nm, planned.longest_rest_us / 1e6)
+        last_s = (still - near) / _PLAN_HZ
+        return cls(motion.duration_s, first_s, planned.done_nm, end_nm, rest_s, near / _PLAN_HZ, last_s)
 
     def __call__(self, row: Row) -> bool:
         """Whether the recording is over with this row."""
@@ -105,13 +125,15 @@ class EndOfMotion:
             return False
         if over_us >= (LONGEST_TIMES - 1) * self.duration_s * 1e6:
             return True
-        a_rest_s = 0.0 if self._has_arrived(displacement_nm) else LONGEST_TIMES * self.longest_rest_s
-        return stands_us >= (TAIL_S + a_rest_s) * 1e6
+        if self._way.done_nm >= WHOLE_WAY * self.way_nm and self._near_us is not None:
+            return time_us - self._near_us >= (TAIL_S + self._time_for_the_last_s()) * 1e6
+        return stands_us >= (TAIL_S + LONGEST_TIMES * self.longest_rest_s) * 1e6
 
-    def _has_arrived(self, displacement_nm: int) -> bool:
-        from_start_nm = displacement_nm - (self._start_nm or 0)
-        near = abs(from_start_nm - self.end_nm) <= MOVED_MM * 1e6
-        return near and self._way.done_nm >= WHOLE_WAY * self.way_nm
+    def _time_for_the_last_s(self) -> float:
+        """How long this machine, as slow as it was until then, takes for the last bit of the way."""
+        begun_us = self._end_us - (self.duration_s + TAIL_S) * 1e6
+        slower = ((self._near_us or 0.0) - begun_us) * 1e-6 / max(self.near_s, 1 / _PLAN_HZ)
+        return float(np.clip(slower, 1.0, LONGEST_TIMES)) * self.last_s
 
     @property
     def waiting(self) -> bool:
@@ -127,8 +149,39 @@ class EndOfMotion:
                 self._end_us = time_us + (self.duration_s + TAIL_S) * 1e6
         elif self.waiting and abs(displacement_nm - self._start_nm) > MOVED_MM * 1e6:
             self._end_us = time_us + (self.duration_s - self.first_move_s + TAIL_S) * 1e6
+        near = abs(displacement_nm - self._start_nm - self.end_nm) <= MOVED_MM * 1e6
+        self._near_us = (time_us if self._near_us is None else self._near_us) if near else None
         return stands_us
 
     def unseen(self) -> None:
         """Nobody saw the stage for a while, as where an interrupted recording goes on."""
         self._way.unseen()
+        self._near_us = None
+
+
+def _last_above(values: FloatArray, least: float) -> int:
+    """The last place where a value is above `least`; -1 if none is."""
+    above = np.flatnonzero(values > least)
+    return int(above[-1]) if len(above) else -1
+
+
+def _longest_within(band_mm: float, positions_mm: FloatArray) -> int:
+    """The most steps in a row over which a motion stays within a band of this width."""
+    longest, first = 0, 0
+    highest: deque[int] = deque()  # places of ever lower positions, and of ever higher ones, since the first
+    lowest: deque[int] = deque()
+    at_mm = positions_mm.tolist()
+    for place, here_mm in enumerate(at_mm):
+        while highest and at_mm[highest[-1]] <= here_mm:
+            highest.pop()
+        while lowest and at_mm[lowest[-1]] >= here_mm:
+            lowest.pop()
+        highest.append(place)
+        lowest.append(place)
+        while at_mm[highest[0]] - at_mm[lowest[0]] > band_mm:
+            first += 1
+            for ends in (highest, lowest):
+                if ends[0] < first:
+                    ends.popleft()
+        longest = max(longest, place - first)
+    return longest

@@ -25,6 +25,7 @@ from testbench.rig.protocol.file_lines import bad_line, csv_line, event_line, he
 from testbench.rig.protocol.items import Bad, Item, Lines, Row
 
 BAD, EVENTS = "recording.bad", "events.jsonl"
+COMPENSATED = "compensated.csv"  # what a compensator made of it while it was recorded
 STAMPS = ("start", "reboot", "clock jump", "renumbered", "resume")  # events that alone tell the device's clock
 ROOM, ROOM_BYTES = ".room", 256 << 10
 HURRY_S = 0.3  # how long rows wait for the disk to keep such an event

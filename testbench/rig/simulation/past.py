@@ -17,7 +17,7 @@ DEFAULT_REST_S = 600.0
 RETURN_MM_PER_S = 1.0
 
 
-def past_displacement(motions: Sequence[Motion], rest_s: float) -> FloatArray:
+def past_displacement(motions: Sequence[Motion], rest_s: float, begins_mm: float = 0.0) -> FloatArray:
     """The stage's displacement up to a recording: all `motions`, each with a rest after it, shape (n,).
 
     Parameters
@@ -25,16 +25,19 @@ def past_displacement(motions: Sequence[Motion], rest_s: float) -> FloatArray:
     motions : sequence of Motion
         In the order in which they were played.
     rest_s : float
-        Rest after each, at zero displacement; a motion that ends elsewhere is brought back at 1 mm/s, which may take
-        longer than the rest.
+        Rest after each, where the next motion begins; one that ends elsewhere is brought there at 1 mm/s, which may
+        take longer than the rest.
+    begins_mm : float
+        Where the recorded motion begins.
     """
     if not motions:
         return np.zeros(0)
     parts = []
-    for motion in motions:
+    next_mm = [*(float(motion.displacement_mm[0]) for motion in motions[1:]), begins_mm]
+    for motion, begin_mm in zip(motions, next_mm, strict=True):
         end_mm = float(motion.displacement_mm[-1])
-        way_back_s = abs(end_mm) / RETURN_MM_PER_S
+        way_back_s = abs(end_mm - begin_mm) / RETURN_MM_PER_S
         taken_s = max(rest_s, way_back_s + 1 / SIMULATED_HZ)
         after_s = np.arange(1, round(taken_s * SIMULATED_HZ)) / SIMULATED_HZ
-        parts += [motion.displacement_mm, np.interp(after_s, [0.0, max(way_back_s, 1e-9)], [end_mm, 0.0])]
+        parts += [motion.displacement_mm, np.interp(after_s, [0.0, max(way_back_s, 1e-9)], [end_mm, begin_mm])]
     return np.concatenate(parts)

@@ -6,6 +6,7 @@ from functools import partial
 
 from nicegui import ui
 
+from gcode.support.errors import UserError
 from testbench.studio.finding import ORDERS, STATES, Found, all_tags, narrowed
 from testbench.studio.notes import Note
 from testbench.studio.pages.campaign_card import Card
@@ -21,8 +22,11 @@ AT_ONCE = 24  # cards; more on demand
 @guarded
 async def page(studio: Studio, q: str = "", state: str = "", tag: str = "", order: str = "") -> None:
     """Every campaign as a card; thumbnails and checksums follow one after the other."""
-    where = Address("/", q=q, state=state, tag=tag, order=order)
+    for name, value, allowed in (("state", state, STATES), ("order", order, ORDERS)):
+        if value and value not in allowed:
+            raise UserError(f"the {name} must be one of {', '.join(allowed)}, got {value!r}")
     everything = await aside(found_in, studio)
+    where = Address("/", q=q, state=state, tag=tag if tag in all_tags(everything) else "", order=order)
     heading("Campaigns")
     if not everything:
         _empty(studio)

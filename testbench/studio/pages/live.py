@@ -34,7 +34,7 @@ class Live:
     """A recording job in one tab."""
 
     def __init__(self, studio: Studio, job: Job) -> None:
-        from testbench.campaigns.campaign import COMPENSATED
+        from testbench.rig.acquisition.sink import COMPENSATED
 
         self.studio, self.job = studio, job
         self.folder = Path(job.argv[-1])

@@ -54,6 +54,7 @@ def test_the_sketch_says_what_the_stream_says(compensator, recordings, tmp_path)
     out = subprocess.run([program], input=text, capture_output=True, check=True, text=True, timeout=60).stdout
     lines = np.array([[float(part) for part in line.split(",")] for line in out.splitlines()])
     assert len(lines) == pytest.approx(len(read) / CONVERSIONS_A_SAMPLE, rel=0.02)
+    assert np.isclose(lines[0, 1], recordings[1].conductance_S[0], rtol=0.01)  # no conversion that never was
     stream, last_us, off = CompensatorStream(compensator), None, 0
     for time_us, conductance_S, value, status, _ in lines:
         step_s = 0.05 if last_us is None else ((time_us - last_us) % 2**32) * 1e-6

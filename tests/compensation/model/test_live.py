@@ -16,13 +16,12 @@ from compensation.model.streaming import CompensatorStream
 from compensation.training.options import Options
 from compensation.training.training import train
 from gcode.support.errors import UserError
-from testbench.campaigns.campaign import COMPENSATED
 from testbench.campaigns.following import live_compensator
 from testbench.campaigns.record import Job, begin, record
 from testbench.commands import record as command
 from testbench.recordings.manifest import problems
 from testbench.rig.acquisition.recorder import Limits, Recorder
-from testbench.rig.acquisition.sink import Sink
+from testbench.rig.acquisition.sink import COMPENSATED, Sink
 from testbench.rig.acquisition.status_words import as_text
 from testbench.rig.connection.parts import Chunk, End
 from testbench.rig.protocol.stream import Intake

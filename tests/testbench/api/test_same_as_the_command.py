@@ -129,10 +129,38 @@ def test_a_second_run_of_a_sensor_remembers_the_campaign_before(tmp_path):
     second = tb.run(tb.preset("pes"), program, tmp_path / "second", after=[first.folder]).recording
     assert np.array_equal(second["force_N"], tb.simulate(tb.preset("pes"), program, after=[first.folder])["force_N"])
     assert not np.array_equal(second["force_N"], first.recording["force_N"])
-    with pytest.raises(UserError, match="cannot replace a campaign that this one comes after"):
+    with pytest.raises(UserError, match="cannot replace a campaign that this one is made from"):
         tb.run(tb.preset("pes"), program, first.folder, after=[first.folder], overwrite=True)
     with pytest.raises(UserError, match="a campaign of another sensor"):
         tb.simulate(tb.preset("lycra"), program, after=[first.folder])
+
+
+def test_what_a_run_reads_is_not_replaced_by_it(tmp_path):
+    program = gcode.generate("paper-1", seed=3, duration_s=10)
+    first = tb.run("pes", program, tmp_path / "first").folder
+    kept = {path.name: path.read_bytes() for path in first.iterdir()}
+    for source in ({"program": first / "program.tap"}, {"program": program, "after": [first / "program.tap"]}):
+        with pytest.raises(UserError, match=r"cannot replace a campaign that this one is made from \(.*program\.tap"):
+            tb.run("pes", **source, folder=first, seed=2, overwrite=True)
+    assert {path.name: path.read_bytes() for path in first.iterdir()} == kept
+
+
+def test_a_run_that_fails_leaves_the_campaign_that_it_was_to_replace(tmp_path):
+    program = gcode.generate("paper-1", seed=3, duration_s=10)
+    first = tb.run("pes", program, tmp_path / "first").folder
+    kept = {path.name: path.read_bytes() for path in first.iterdir()}
+    hot = tb.Instruments(room={"mean_C": 1e7})
+    with pytest.raises(UserError, match="lines was accepted"):
+        tb.run("pes", program, first, instruments=hot, overwrite=True)
+    assert {path.name: path.read_bytes() for path in first.iterdir()} == kept
+    assert [path.name for path in tmp_path.iterdir()] == ["first"]
+
+
+def test_an_aligned_campaign_is_aligned_again_in_its_place(tmp_path):
+    folder = tb.run("pes", gcode.generate("paper-1", seed=3, duration_s=60), tmp_path / "knit").folder
+    aligned = tb.align(folder).write(tmp_path / "aligned")
+    tb.align(aligned).write(aligned, overwrite=True)
+    assert tb.read(aligned).has("displacement_planned_mm")
 
 
 def test_align_writes_the_campaign_that_the_command_writes(tmp_path, capsys):

@@ -26,7 +26,7 @@ from testbench.recordings.versions import software_versions
 from testbench.results.model_file import ModelFile, load_model_file
 from testbench.rig.simulation.past import past_displacement
 from testbench.rig.simulation.played import played
-from testbench.rig.simulation.simulated import SIMULATED_HZ, SimulatedRig
+from testbench.rig.simulation.simulated import SIMULATED_HZ, Motion, SimulatedRig
 from tests.testbench.rig.rigs import plan, program, triangle
 
 
@@ -53,6 +53,8 @@ def test_another_gauge_length_is_not_used_and_this_is_said(campaign, caplog):
     """Neither what a person says for bare CSVs nor what a model says takes the place of what was measured."""
     assert read_recording(campaign, 35.0).gauge_length_mm == read_recording(campaign).gauge_length_mm == 25.0
     assert "its manifest says a gauge length of 25 mm, which is used, not 35 mm" in caplog.text
+    with pytest.raises(UserError, match="the gauge length must be a positive number of mm"):
+        read_recording(campaign, float("nan"))
 
 
 def test_a_model_of_another_set_up_is_refused_for_a_campaign(campaign, tmp_path):
@@ -244,6 +246,14 @@ def test_a_second_campaign_of_a_sensor_continues_where_the_first_one_and_the_res
 def test_a_stage_that_ended_elsewhere_returns_during_the_rest_or_takes_longer(rest_s):
     past_mm = past_displacement([triangle(5.0)], rest_s)  # ends at 7.5 mm
     assert past_mm[-1] == 0
+    assert np.abs(np.diff(past_mm)).max() <= 1.0 / SIMULATED_HZ * 1.5 * (1 + 1e-9)
+
+
+def test_a_stage_rests_where_the_next_motion_begins():
+    """A pre-tension offset is where the machine's zero is: there it stands between two programs."""
+    past_mm = past_displacement([triangle(5.0), Motion(np.array([0.0, 1.0]), np.array([2.0, 2.0]))], 10.0, -1.0)
+    assert past_mm[int((5 + 10) * SIMULATED_HZ) - 2] == 2.0
+    assert past_mm[-1] == -1.0
     assert np.abs(np.diff(past_mm)).max() <= 1.0 / SIMULATED_HZ * 1.5 * (1 + 1e-9)
 
 

@@ -27,10 +27,22 @@ def with_pauses() -> Motion:
     return Motion(time_s, np.where(time_s % 18.0 < 10.0, 5.0 * np.sin(np.pi * (time_s % 18.0) / 10.0), 0.0))
 
 
-def end_s(motion: Motion, slower: float, lost_s: tuple[float, float] = (0.0, 0.0), stops_s: float = np.inf) -> float:
+def slow(speed_mm_per_s: float) -> Motion:
+    piece = gcode.Triangle(high_percent=10, speed_mm_per_s=speed_mm_per_s, cycles=4)
+    trajectory = gcode.generate(piece, seed=1).trajectory
+    return Motion(trajectory.time_s, trajectory.position_mm)
+
+
+def end_s(
+    motion: Motion,
+    slower: float,
+    lost_s: tuple[float, float] = (0.0, 0.0),
+    stops_s: float = np.inf,
+    rate_hz: float = RATE_HZ,
+) -> float:
     """When a recording ends whose machine takes `slower` times the planned time, and stops for good at `stops_s`."""
     ending = EndOfMotion.of(motion)
-    for time_s in np.arange(0.0, STARTS_S + 3 * motion.duration_s, 1 / RATE_HZ):
+    for time_s in np.arange(0.0, STARTS_S + 3 * motion.duration_s, 1 / rate_hz):
         if lost_s[0] <= time_s < lost_s[1]:
             continue
         planned_s = max(0.0, min(time_s, stops_s) - STARTS_S) / slower
@@ -49,6 +61,16 @@ def test_a_slow_machine_is_recorded_to_its_end_and_not_much_longer(motion, slowe
     end = end_s(motion, slower)
     assert end >= STARTS_S + slower * stands_s + TAIL_S - 0.1
     assert end <= STARTS_S + slower * motion.duration_s + TAIL_S + 0.1
+
+
+@pytest.mark.parametrize("rate_hz", [20.0, 30.0, 41.5])
+@pytest.mark.parametrize("slower", [1.0, 1.3, 1.6, 2.0])
+@pytest.mark.parametrize("speed_mm_per_s", [0.05, 0.1, 0.5])
+def test_a_motion_that_is_slow_itself_does_not_seem_to_stand(speed_mm_per_s, slower, rate_hz):
+    """It went on for two steps of what counts as moved, and ended in mid-stroke, 145 s too early."""
+    motion = slow(speed_mm_per_s)
+    late_s = end_s(motion, slower, rate_hz=rate_hz) - (STARTS_S + slower * motion.duration_s)
+    assert TAIL_S - 0.5 < late_s < TAIL_S + 0.5
 
 
 def test_a_machine_that_was_stopped_is_not_waited_for():

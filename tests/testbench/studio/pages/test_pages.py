@@ -63,6 +63,15 @@ async def test_an_address_without_a_page_says_so_and_leads_back(user: User) -> N
     assert "grid_view" in answer.text.partition("Nothing is at /nowhere.")[2]  # the button's icon
 
 
+async def test_a_list_narrowed_by_a_state_that_does_not_exist_says_so(user: User) -> None:
+    await user.open("/?state=bogus")
+    await user.should_see("the state must be one of fitted, diagnosed")
+    await user.open("/?order=bogus")
+    await user.should_see("the order must be one of newest, oldest")
+    await user.open("/?tag=gone")
+    await user.should_see("sleeve")
+
+
 async def test_a_campaign_without_model_offers_the_fit(user: User) -> None:
     await user.open("/compare?c=sleeve")
     await user.should_see("Fit the baseline")
