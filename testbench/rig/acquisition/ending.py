@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field
+from itertools import groupby
 
 import numpy as np
 
@@ -84,6 +85,8 @@ class EndOfMotion:
         The longest that the plan may seem to stand before its end: no step of `MOVED_MM`, wherever they begin.
     near_s, last_s : float
         When the plan comes within `MOVED_MM` of its end to stay, and how long it then goes on moving.
+    pause_s : float
+        The longest that it stays so near before, where what is left of the way may be play and noise.
     """
 
     duration_s: float
@@ -93,6 +96,7 @@ class EndOfMotion:
     longest_rest_s: float
     near_s: float
     last_s: float
+    pause_s: float
     _way: Way = field(default_factory=Way)
     _start_nm: int | None = None
     _end_us: float = float("inf")
@@ -104,17 +108,20 @@ class EndOfMotion:
         from_start_mm = motion.displacement_mm - motion.displacement_mm[0]
         moved = np.abs(from_start_mm) > MOVED_MM
         first_s = float(motion.time_s[moved.argmax()]) if moved.any() else float("inf")
-        planned = Way()
+        planned, done_nm = Way(), []
         times_s = np.append(np.arange(0.0, motion.duration_s, 1 / _PLAN_HZ), motion.duration_s)
         positions_mm = np.interp(times_s, motion.time_s, from_start_mm)
         for time_us, position_nm in zip((1e6 * times_s).tolist(), (1e6 * positions_mm).tolist(), strict=True):
             planned.follow(round(time_us), round(position_nm))
+            done_nm.append(planned.done_nm)
         to_go_mm = np.abs(positions_mm - positions_mm[-1])
         near, still = (_last_above(to_go_mm, least_mm) + 1 for least_mm in (MOVED_MM, STILL_MM))
         rest_s = _longest_within(2 * MOVED_MM, positions_mm[:near]) / _PLAN_HZ
+        seems_over = (to_go_mm <= MOVED_MM) & (np.array(done_nm) >= WHOLE_WAY**2 * planned.done_nm)
+        pause_s = max((len(list(run)) for over, run in groupby(seems_over[:near]) if over), default=0) / _PLAN_HZ
         end_nm = round(1e6 * float(from_start_mm[-1]))
         last_s = (still - near) / _PLAN_HZ
-        return cls(motion.duration_s, first_s, planned.done_nm, end_nm, rest_s, near / _PLAN_HZ, last_s)
+        return cls(motion.duration_s, first_s, planned.done_nm, end_nm, rest_s, near / _PLAN_HZ, last_s, pause_s)
 
     def __call__(self, row: Row) -> bool:
         """Whether the recording is over with this row."""
@@ -126,7 +133,8 @@ class EndOfMotion:
         if over_us >= (LONGEST_TIMES - 1) * self.duration_s * 1e6:
             return True
         if self._way.done_nm >= WHOLE_WAY * self.way_nm and self._near_us is not None:
-            return time_us - self._near_us >= (TAIL_S + self._time_for_the_last_s()) * 1e6
+            wait_s = max(self._time_for_the_last_s(), LONGEST_TIMES * self.pause_s)
+            return time_us - self._near_us >= (TAIL_S + wait_s) * 1e6
         return stands_us >= (TAIL_S + LONGEST_TIMES * self.longest_rest_s) * 1e6
 
     def _time_for_the_last_s(self) -> float:

@@ -73,6 +73,16 @@ def test_a_motion_that_is_slow_itself_does_not_seem_to_stand(speed_mm_per_s, slo
     assert TAIL_S - 0.5 < late_s < TAIL_S + 0.5
 
 
+@pytest.mark.parametrize("slower", [1.02, 1.3])
+def test_the_rest_before_the_last_of_many_strokes_is_not_the_end(slower):
+    """39 of 40 strokes are nearly all of the way, and it stands where it will end."""
+    time_s = np.arange(0.0, 240.0, 0.05)
+    motion = Motion(time_s, 5.0 * np.sin(np.pi * np.minimum(time_s % 6.0, 2.0) / 2.0))
+    end = end_s(motion, slower)
+    assert end >= STARTS_S + slower * 236.0 + TAIL_S
+    assert end <= STARTS_S + slower * 240.0 + LONGEST_TIMES * 4.5 + TAIL_S
+
+
 def test_a_machine_that_was_stopped_is_not_waited_for():
     motion = perlin()
     assert end_s(motion, 1.0, stops_s=40.0) <= STARTS_S + motion.duration_s + TAIL_S + 0.1
