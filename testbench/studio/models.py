@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import shlex
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -65,11 +66,23 @@ def companions(studio: Studio, c: str) -> tuple[list[str], list[str]]:
 
 
 def held_out_of(studio: Studio, c: str) -> str:
-    """What the model of a campaign was judged on, so that its next step is judged on the same."""
-    kept = str(about_model(model_path(studio, c)).get("held_out", ""))
+    """What the model of a campaign was judged on, so that its next step is judged on the same.
+
+    Raises
+    ------
+    UserError
+        If that is not here any more.
+    """
+    about = about_model(model_path(studio, c))
+    kept, own = str(about.get("held_out", "")), str(about.get("fitted_on", ""))
     for name in held_out_choices(studio, c)[1:]:
         if same_source(kept, str(studio.workspace.campaign(name).folder / CSV)):
             return name
+    if kept and not same_source(kept, own):
+        raise UserError(
+            f"the model of {c} was judged on {Path(kept).parent.name or kept}, which is not among the campaigns any "
+            "more; undo its deletion, or fit the baseline anew below “Compare”"
+        )
     return LAST_THIRD
 
 
@@ -281,8 +294,11 @@ def add_fit_form(studio: Studio, c: str, again: bool = False) -> None:
         more = f" It takes the place of the model and its ladder, which are kept as {BEFORE}."
         subheading("The baseline anew" if again else "First, a baseline", under + (more if again else ""))
         choices = held_out_choices(studio, c)
+        value = choices[0]
+        with contextlib.suppress(UserError):
+            value = held_out_of(studio, c) if again else value
         with ui.row().classes("items-start"):
-            held = ui.select(choices, value=held_out_of(studio, c) if again else choices[0], label="Held out")
+            held = ui.select(choices, value=value, label="Held out")
             held.props("outlined dense").style("min-width:min(300px, 84vw)")
             play = number_field(PLAY, None, positive=False, optional=True).props('hint="empty: not clamped anew"')
             play.style("width:240px")  # its label is long

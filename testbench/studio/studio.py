@@ -33,7 +33,14 @@ KEPT_SKETCHES = 2000
 COMMANDS = "commands.txt"
 LOGGED = (KEY_RECORDING, "run", "import", "align", "model", "diagnose", "experiment", "propose", "train", "score")
 WITH_TARGET = ("train", "score")
+MOST_EFFECTS_BYTES = 1 << 20
 POINTER = "effects-file.txt"  # below results; one line, the path of the file with own effects
+
+
+def campaign_of(key: str) -> str:
+    """The campaign that a job is about: its key is ``kind:campaign``, with the target behind where it has one."""
+    kind, _, name = key.partition(":")
+    return name.rpartition(":")[0] if kind in WITH_TARGET else name
 
 
 class Studio:
@@ -75,13 +82,8 @@ class Studio:
         return self.workspace.results(name) / COMMANDS
 
     def make_results(self, key: str) -> str:
-        """Make the folder that a job writes its results to; the campaign that it is about, empty where there is none.
-
-        A key is ``kind:campaign``, with the target behind where it has one.
-        """
-        kind, _, name = key.partition(":")
-        if kind in WITH_TARGET:
-            name = name.rpartition(":")[0]
+        """Make the folder that a job writes its results to; the campaign that it is about, or nothing."""
+        name = campaign_of(key)
         if name:
             make_folder(self.workspace.results(name))
         return name
@@ -127,15 +129,19 @@ class Studio:
         return self.workspace.kept(POINTER)
 
     def point_to(self, path: Path) -> None:
-        """Use the own effects in another file; the workspace remembers it.
+        """Use the own effects in another file, which the workspace remembers, or those of the workspace again.
 
         Raises
         ------
         UserError
-            If it is no Python file.
+            If it is no Python file, or not text.
         """
+        if path == self.workspace.root / OWN_EFFECTS and not path.exists():
+            self._pointer.unlink(missing_ok=True)
+            return
         if path.suffix != ".py" or not path.is_file():
             raise UserError(f"{path}: no such Python file; give the full path of a .py file on this machine")
+        read_text(path, "file of effects", MOST_EFFECTS_BYTES)
         trust(path)
         make_folder(self._pointer.parent)
         write_text(self._pointer, f"{path.resolve()}\n")

@@ -239,6 +239,11 @@ class Workspace:
             If the name is empty, taken, points out of the workspace, or would not be found or kept there.
         """
         folder = self._free(wanted)
+        for parent in folder.parents:
+            if parent != self.root and parent.is_relative_to(self.root) and (parent / MANIFEST).is_file():
+                raise UserError(
+                    f"{wanted}: {self.name_of(parent)} is a campaign, which holds no others; choose another"
+                )
         if why := _unfit(folder.relative_to(self.root).as_posix()):
             raise UserError(f"{wanted}: {why}; choose another name")
         return folder
@@ -248,7 +253,7 @@ class Workspace:
         if not wanted.strip() or folder is None:
             raise UserError(f"a campaign needs a name that is a folder inside {self.root}, got {wanted!r}")
         with contextlib.suppress(OSError):  # longer than any name that could be there
-            if folder.exists():
+            if folder.exists() and not (folder.is_dir() and not any(folder.iterdir())):
                 raise UserError(f"{wanted}: this name is taken; choose another")
         return folder
 

@@ -21,7 +21,7 @@ from testbench.studio.importing.import_look import (
     unit_key,
     unit_options,
 )
-from testbench.studio.importing.import_words import R0, TITLES, page_words
+from testbench.studio.importing.import_words import R0, TITLES, in_a_sentence, page_words
 
 if TYPE_CHECKING:
     from testbench.importing.choice import Choice
@@ -86,7 +86,9 @@ class Columns:
             rate.props("outlined dense debounce=500").on_value_change(partial(self._set, "rate_hz"))
         if {"relative", "relative_change"} & set(choice.taken):
             ohm = ui.number(R0, value=self.choices.r0_ohm, min=0, format="%.6g")
-            ohm.props("outlined dense debounce=500").on_value_change(partial(self._set, "r0_ohm"))
+            ohm.props("outlined dense debounce=500").style("width:230px").on_value_change(
+                partial(self._set, "r0_ohm")
+            )
         others = ui.expansion("Other quantities, and several clocks").bind_value(self, "unfolded")
         with others.classes("w-full").props("dense"):
             for role in TITLES:
@@ -107,9 +109,11 @@ class Columns:
             ui.label(title).style("font-weight:550")
             value = str(taken.column.number) if taken else NOT_THERE
             column = ui.select(column_options(sheet), value=value).props("outlined dense")
-            column.props(f"aria-label='Column of {title.lower()}'")
+            column.props(f"aria-label='Column of {in_a_sentence(title)}'")
             column.on_value_change(partial(self._column_chosen, role))
-            unit = ui.select(unit_options(role), value=unit_key(choice, role), label=f"Unit of {title.lower()}")
+            unit = ui.select(
+                unit_options(role), value=unit_key(choice, role), label=f"Unit of {in_a_sentence(title)}"
+            )
             unit.props("outlined dense").set_enabled(taken is not None)
             unit.on_value_change(partial(self._unit_chosen, role))
             with ui.row().classes("items-center gap-2"):

@@ -63,3 +63,8 @@ def page_words(text: str) -> str:
 def _spoken(name: str) -> str:
     role = _ROLES[name]
     return TITLES[role] if role.startswith("relative") else role
+
+
+def in_a_sentence(title: str) -> str:
+    """A title as it stands within a sentence: symbols stay as they are."""
+    return title if "R0" in title else title.lower()

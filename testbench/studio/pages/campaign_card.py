@@ -22,7 +22,7 @@ from testbench.studio.notes import Note, tags_of
 from testbench.studio.parts.address import address
 from testbench.studio.parts.unfinished import is_under_way, is_unfinished
 from testbench.studio.parts.widgets import aside, attempt
-from testbench.studio.studio import Studio
+from testbench.studio.studio import Studio, campaign_of
 from testbench.studio.workspace import Campaign
 
 MOST_SHOWN = 140  # characters of a trouble on a card; all of them are in its tooltip
@@ -143,6 +143,9 @@ class Card:
         campaign = self.found.campaign
         if is_under_way(self.studio, campaign):
             raise UserError(f"{campaign.name} is being recorded now; stop the recording first")
+        jobs = [job for job in self.studio.jobs.running() if campaign_of(job.key) == campaign.name]
+        if jobs:
+            raise UserError(f"{campaign.name} is in use: “{jobs[0].title}” is running; end that first")
         self.studio.delete(campaign.name)
         ui.navigate.reload()
 

@@ -89,9 +89,8 @@ class _List:
             search.classes("grow").style("min-width:200px")
             search.on_value_change(lambda event: self._narrow(q=event.value or ""))
             self._select("State", {"": "Any state", **{one: one for one in STATES}}, "state")
-            tags = all_tags(self.everything)
-            if tags:
-                self._select("Tag", {"": "Any tag", **{tag: tag for tag in tags}}, "tag")
+            self.tags = self._select("Tag", _tag_options(self.everything), "tag")
+            self.tags.set_visibility(len(self.tags.options) > 1)
             self._select("Order", ORDERS, "order", "newest")
         with ui.row().classes("items-center gap-3"):
             self.count = ui.label().classes("quiet").props("role=status")
@@ -103,10 +102,11 @@ class _List:
         self.more = ui.button("Show more", on_click=self._more).props("outline")
         await self._draw()
 
-    def _select(self, label: str, options: dict[str, str], key: str, usual: str = "") -> None:
+    def _select(self, label: str, options: dict[str, str], key: str, usual: str = "") -> ui.select:
         value = self.where.query[key] if self.where.query[key] in options else usual
         field = ui.select(options, value=value, label=label).props("outlined dense").style("width:150px")
         field.on_value_change(lambda event: self._narrow(**{key: "" if event.value == usual else event.value}))
+        return field
 
     async def _narrow(self, **chosen: str) -> None:
         self.where.note(**chosen)
@@ -149,4 +149,11 @@ class _List:
     async def _again(self) -> None:
         """Read the folder and the notes anew."""
         self.everything = await aside(found_in, self.studio)
+        options = _tag_options(self.everything)
+        self.tags.set_options(options, value=self.tags.value if self.tags.value in options else "")
+        self.tags.set_visibility(len(options) > 1)
         await self._draw()
+
+
+def _tag_options(everything: list[Found]) -> dict[str, str]:
+    return {"": "Any tag", **{tag: tag for tag in all_tags(everything)}}

@@ -14,10 +14,8 @@ from gcode.support.strict import read_text
 from testbench.studio.jobs.job import Job, State
 from testbench.studio.memory import stamp
 from testbench.studio.parts.job_card import start_in
-from testbench.studio.parts.widgets import attempt, guarded, heading, name_in_page
-from testbench.studio.studio import OWN_EFFECTS, Studio
-
-MOST_BYTES = 1 << 20
+from testbench.studio.parts.widgets import attempt, guarded, heading, name_in_page, trouble
+from testbench.studio.studio import MOST_EFFECTS_BYTES, Studio
 
 
 @guarded
@@ -43,19 +41,22 @@ class _Editor:
             with ui.row().classes("items-center w-full"):
                 self.where = ui.input("File in use", value=str(self.path)).props("outlined dense").classes("grow")
                 self._button("Use this file", "folder_open", self._point).props("outline")
-            self.text = ui.codemirror(_text(studio), language="Python", theme="basicLight")
+            self.text = ui.codemirror("", language="Python", theme="basicLight")
             self.text.classes("w-full").style("height:440px;border:1px solid var(--rule);border-radius:9px")
         name_in_page(".cm-content", "Python file of own effects")
         self.result = ui.column().classes("w-full")
+        try:
+            self._read()
+        except UserError as error:  # the editor stays empty, and another file can be chosen
+            trouble(str(error))
 
     def _button(self, label: str, icon: str, action: Callable[[], None]) -> ui.button:
         return ui.button(label, icon=icon, on_click=lambda: attempt(action))
 
     def _point(self) -> None:
-        wanted = Path(self.where.value or "")
-        if wanted != self.studio.workspace.root / OWN_EFFECTS or wanted.is_file():
-            self.studio.point_to(wanted)
+        self.studio.point_to(Path(self.where.value or ""))
         self.path = self.studio.effects_path
+        self.where.set_value(str(self.path))
         self._read()
 
     def _read(self) -> None:
@@ -91,11 +92,10 @@ class _Editor:
         with self.result:
             for line in job.lines:
                 ui.label(line).classes("mono")
-        if job.state is State.DONE:
-            if "--new" in job.argv:
-                self.studio.agree_to_effects()  # our own template
+        if job.state is State.DONE and "--new" in job.argv:
+            self.studio.agree_to_effects()  # our own template
             self._read()
 
 
 def _text(studio: Studio) -> str:
-    return read_text(studio.effects_file, "effects file", MOST_BYTES) if studio.effects_file else ""
+    return read_text(studio.effects_file, "file of effects", MOST_EFFECTS_BYTES) if studio.effects_file else ""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -54,12 +54,15 @@ def page(
     heading("Plan and run", "A pseudo-natural motion that never repeats, written for the machine and checked.")
     limits = {"speed": speed, "acceleration": acceleration, "lowest": lowest, "highest": highest}
     form = {"motion": motion, "seed": seed, "gauge": gauge, "minutes": minutes}
-    _form(studio, Address("/plan", program=program, **form, **limits))
+    _form(studio, Address("/plan", program=program, **form, **limits), lambda: below.clear())
+    below = ui.column().classes("w-full")
     if program:
-        _result(studio, program)
+        with below:
+            _result(studio, program)
 
 
-def _form(studio: Studio, where: Address) -> None:
+def _form(studio: Studio, where: Address, begun: Callable[[], object]) -> None:
+    """What is wanted; `begun` is called when a plan is begun, for the one that is shown is another."""
     wanted = where.query["motion"] or "paper-1"
     if wanted not in PRESETS:
         raise UserError(f"the address asks for the motion {wanted!r}; there are {', '.join(PRESETS)}")
@@ -77,12 +80,15 @@ def _form(studio: Studio, where: Address) -> None:
 
         def start() -> None:
             check(seed, gauge, minutes, *limits.values())
-            name = f"{preset.value}-seed{int(seed.value)}-{typed(gauge)}mm-{typed(minutes)}min"
+            name = f"{preset.value}-seed{typed(seed)}-{typed(gauge)}mm-{typed(minutes)}min"
             argv = ["gcode", "generate", "--preset", preset.value, "--seed", str(int(seed.value))]
             argv += ["--gauge-length-mm", typed(gauge), "--duration-s", f"{60 * minutes.value:.12g}"]
             for option, field in limits.items():
-                argv += [f"{option}={typed(field)}"] if field.value is not None else []
+                if field.value is not None:
+                    argv.append(f"{option}={typed(field)}")
+                    name += f"-{option.removeprefix('--').removesuffix('-max').replace('-', '')}{typed(field)}"
             argv += ["-o", str(studio.workspace.root / PROGRAMS / name)]
+            begun()
             start_in(holder, studio, f"plan:{name}", f"Planning {name}", argv, partial(_planned, where))
 
         ui.button("Plan", icon="timeline", on_click=lambda: attempt(start)).props("unelevated")

@@ -44,7 +44,7 @@ class _Form:
     """What a person says before a recording, and its start."""
 
     def __init__(self, studio: Studio, holder: ui.column, programs: list[str]) -> None:
-        self.studio, self.holder = studio, holder
+        self.studio, self.holder, self.begins = studio, holder, False
         with ui.column().classes("card gap-3"):
             with ui.row().classes("items-center"):
                 self._rig(programs)
@@ -73,7 +73,16 @@ class _Form:
         self.compensator.style("min-width:200px").set_visibility(bool(trained))
 
     async def start(self) -> None:
-        """Start the recorder, and follow it where the form stood."""
+        """Start the recorder, and follow it where the form stood; another click while it starts is none."""
+        if self.begins:
+            return
+        self.begins = True
+        try:
+            await self._start()
+        finally:
+            self.begins = False
+
+    async def _start(self) -> None:
         check(self.force, self.strain)
         target = self.studio.workspace.free_name(self.name.value)
         tap = self.studio.workspace.root / PROGRAMS / self.program.value / "program.tap"

@@ -13,6 +13,11 @@ from nicegui.events import ValueChangeEventArguments
 from gcode.support.errors import UserError
 from testbench.studio.parts.address import Address
 
+# Where a browser's language has no decimal comma, it drops the comma of 25,5 without a word.
+COMMA_IS_A_POINT = """(e) => {
+  if (e.key === ',') { e.preventDefault(); document.execCommand('insertText', false, '.'); }
+}"""
+
 
 def number_field(
     label: str, value: float | None, positive: bool = True, whole: bool = False, optional: bool = False
@@ -34,6 +39,7 @@ def number_field(
     name = label.partition(" / ")[0].lower()
     rules = _rules(name, positive and not whole, whole, optional)
     field = ui.number(label, value=value, validation=rules).props("outlined dense bottom-slots")
+    field.on("keydown", js_handler=COMMA_IS_A_POINT)
     return field.style("width:178px").without_auto_validation()
 
 
@@ -75,7 +81,7 @@ def keep_in(where: Address, **fields: ValueElement) -> None:
 
     def note(key: str, event: ValueChangeEventArguments) -> None:
         value = event.value
-        where.note(**{key: "" if value is None else f"{value:.12g}" if isinstance(value, float) else str(value)})
+        where.note(**{key: "" if value is None else written(value) if isinstance(value, float) else str(value)})
 
     for key, field in fields.items():
         field.on_value_change(partial(note, key))
@@ -96,4 +102,9 @@ def check(*fields: ui.number) -> None:
 
 def typed(field: ui.number) -> str:
     """The number as it was typed."""
-    return f"{field.value:.12g}"
+    return written(field.value)
+
+
+def written(value: float) -> str:
+    """A number with all its digits."""
+    return str(int(value)) if value == int(value) else repr(float(value))

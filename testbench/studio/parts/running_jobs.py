@@ -9,7 +9,7 @@ from nicegui import ui
 from testbench.studio.jobs.job import Job
 from testbench.studio.parts.address import address
 from testbench.studio.parts.job_card import progress_in_words
-from testbench.studio.studio import Studio
+from testbench.studio.studio import WITH_TARGET, Studio, campaign_of
 
 REFRESHED_S = 1.0
 PLACES = {
@@ -74,8 +74,8 @@ class _Running:
 
 def place_of(job: Job) -> str:
     """The page on which a job is looked at; empty where it has none of its own."""
-    kind, _, campaign = job.key.partition(":")
+    kind, campaign = job.key.partition(":")[0], campaign_of(job.key)
     if kind not in PLACES:
         return ""
-    campaign, _, target = campaign.partition(":") if kind in ("train", "export") else (campaign, "", "")
+    target = job.key.rpartition(":")[2] if kind in WITH_TARGET else ""
     return address(PLACES[kind], c=campaign, target=target)

@@ -130,6 +130,7 @@ def test_old_results_are_kept_where_new_ones_have_been_made(studio: Studio) -> N
 def test_a_name_that_was_taken_meanwhile_is_not_overwritten(studio: Studio) -> None:
     place = studio.workspace.delete("sleeve")
     (studio.workspace.root / "sleeve").mkdir()
+    (studio.workspace.root / "sleeve" / "mine.txt").write_text("mine")
     with pytest.raises(UserError, match="this name is taken"):
         studio.workspace.restore(place)
     assert studio.workspace.deleted()

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from nicegui import ui
 
+from gcode.support.errors import UserError
 from testbench.comparing.numbers import plain
 from testbench.comparing.words import spoken
 from testbench.recordings.manifest import CSV
@@ -69,7 +70,13 @@ async def page(
     if not has_model(studio, c):
         add_fit_form(studio, c)
         return
-    asked, held = span_of(start, end), held_out_of(studio, c)
+    asked = span_of(start, end)
+    try:
+        held = held_out_of(studio, c)
+    except UserError as error:
+        trouble(str(error))
+        add_fit_form(studio, c, again=True)
+        return
     on = on or (c if held == LAST_THIRD else held)
     where = Address("/compare", c=c, on=on, show=show, start=start, end=end, beside=beside)
     _choose(studio, c, on, where, held)
@@ -110,6 +117,9 @@ def _anew(studio: Studio, c: str) -> None:
 def _choose(studio: Studio, c: str, on: str, where: Address, held: str) -> None:
     own = studio.workspace.campaign(c)
     others = [other.name for other in studio.workspace.campaigns() if other.gauge_length_mm == own.gauge_length_mm]
+    if on not in others:
+        there = studio.workspace.campaign(on)
+        raise UserError(f"{on} has another gauge length than {c}: {there.gauge_length_mm:g} mm")
     names = {name: f"{name} ({_role(name, c, held)})" if _role(name, c, held) else name for name in others}
     models = {"": "(none)", **beside_choices(studio, c)}
     beside = where.query["beside"] if where.query["beside"] in models else ""

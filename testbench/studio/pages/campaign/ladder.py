@@ -23,6 +23,7 @@ from testbench.results.model_file import ModelFile
 from testbench.results.result_files import read_diagnosis
 from testbench.studio import models
 from testbench.studio.parts.address import Address, address
+from testbench.studio.parts.fields import asked
 from testbench.studio.parts.picture import plot
 from testbench.studio.parts.widgets import (
     RESISTANCE,
@@ -43,13 +44,15 @@ REPORT = "report.html"
 
 
 @guarded
-async def page(studio: Studio, c: str = "", step: int = -1, show: str = "") -> None:
+async def page(studio: Studio, c: str = "", step: str = "", show: str = "") -> None:
     """The ladder of campaign `c`, looked at on `step`."""
     campaign_head(c, "/ladder", show)
     if not models.has_model(studio, c):
         models.add_fit_form(studio, c)
         return
-    await (await aside(_Ladder, studio, c, Address("/ladder", c=c, show=show))).build(step)
+    where = Address("/ladder", c=c, step=step, show=show)
+    looked_at = asked(where, "step", None)
+    await (await aside(_Ladder, studio, c, where)).build(-1 if looked_at is None else int(looked_at))
 
 
 class _Ladder:

@@ -66,7 +66,9 @@ async def page(studio: Studio, c: str = "", show: str = "", start: str = "", end
 def _below(c: str, recording: Recording, path: Path, kohm: bool) -> None:
     loops = figures.hysteresis_loops(recording, kohm)
     if loops:
-        plot(loops, "Six half minutes, the first dark, the last light: a shift along the colours is drift.")
+        several = "Half minutes, the first dark, the last light: a shift along the colours is drift."
+        is_one = len(figures.stretches(recording.time_s)) == 1
+        plot(loops, "The whole recording as loops." if is_one else several)
     rate = f"; the speed is taken at {figures.speed_rate_hz(recording):.3g} Hz" if recording.has(DISPLACEMENT) else ""
     shares = figures.distributions(recording, kohm)
     if shares:

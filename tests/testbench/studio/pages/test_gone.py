@@ -1,0 +1,91 @@
+"""What a page says where something that it needs is gone, and what is not taken away while it is needed."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from nicegui.testing import User
+
+from gcode.support.errors import UserError
+from gcode.support.files import write_json
+from testbench.studio import models
+from testbench.studio.pages import campaign_card
+from testbench.studio.parts.fields import written
+from testbench.studio.parts.running_jobs import place_of
+from testbench.studio.studio import OWN_EFFECTS, Studio, campaign_of
+
+pytestmark = pytest.mark.asyncio
+
+
+async def test_a_model_is_not_judged_on_what_it_was_fitted_on_where_the_held_out_recording_is_gone(
+    user: User, fitted: Studio
+) -> None:
+    path = models.model_path(fitted, "sleeve")
+    two = fitted.workspace.root / "two" / "recording.csv"
+    write_json(path, json.loads(path.read_text()) | {"held_out": str(two)})
+    await user.open("/compare?c=sleeve")
+    await user.should_see("the model of sleeve was judged on two, which is not among the campaigns any more")
+    await user.should_see("Fit the baseline anew")
+    await user.open("/ladder?c=sleeve")
+    await user.should_see("the model of sleeve was judged on two")
+    with pytest.raises(UserError, match="judged on two"):
+        models.add_command(fitted, "sleeve", "stress_relaxation")
+
+
+async def test_every_step_of_a_ladder_has_an_address(user: User, fitted: Studio) -> None:
+    for step in ("0", "7", ""):
+        await user.open(f"/ladder?c=sleeve&step={step}")
+        await user.should_see("Through the history")
+    await user.open("/ladder?c=sleeve&step=x")
+    await user.should_see("the address asks for step='x', which is no number")
+
+
+async def test_a_link_to_a_recording_that_is_gone_is_a_sentence(user: User, fitted: Studio) -> None:
+    await user.open("/compare?c=sleeve&on=gone")
+    await user.should_see("no campaign 'gone'")
+
+
+async def test_own_effects_that_are_not_text_are_not_used_and_those_of_the_workspace_are_found_again(
+    studio: Studio, tmp_path: Path
+) -> None:
+    own, other, bad = studio.workspace.root / OWN_EFFECTS, tmp_path / "other.py", tmp_path / "bad.py"
+    other.write_text("# none\n")
+    bad.write_bytes(b"# \xe9\n")
+    studio.point_to(other)
+    with pytest.raises(UserError, match="not a file of effects"):
+        studio.point_to(bad)
+    assert studio.effects_path == other
+    studio.point_to(own)
+    assert studio.effects_path == own
+
+
+async def test_a_campaign_holds_no_other_and_an_empty_folder_is_no_campaign(studio: Studio) -> None:
+    with pytest.raises(UserError, match="sleeve is a campaign, which holds no others"):
+        studio.workspace.free_name("sleeve/inner")
+    place = studio.workspace.delete("sleeve")
+    (studio.workspace.root / "sleeve").mkdir()
+    assert studio.workspace.restore(place) == "sleeve"
+
+
+async def test_a_campaign_that_a_job_is_about_is_not_deleted(studio: Studio, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(campaign_card, "is_under_way", lambda *_: False)
+    job = SimpleNamespace(key="train:sleeve:force", title="Training for sleeve")
+    card = campaign_card.Card.__new__(campaign_card.Card)
+    card.studio = SimpleNamespace(jobs=SimpleNamespace(running=lambda: [job]))
+    card.found = SimpleNamespace(campaign=studio.workspace.campaign("sleeve"))
+    with pytest.raises(UserError, match="sleeve is in use: “Training for sleeve” is running"):
+        card._delete()
+
+
+async def test_a_campaign_may_have_a_colon_in_its_name() -> None:
+    assert campaign_of("train:a:b:force") == "a:b"
+    assert place_of(SimpleNamespace(key="train:a:b:force")) == "/compensate?c=a%3Ab&target=force"
+    assert place_of(SimpleNamespace(key="model:a:b")) == "/compare?c=a%3Ab"
+
+
+@pytest.mark.parametrize("value", [1234567890123, 25.5, 0.1, 1e-7, 1 / 3])
+async def test_a_number_keeps_its_digits_in_an_address(value: float) -> None:
+    assert float(written(value)) == value
