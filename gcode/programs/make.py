@@ -21,7 +21,7 @@ from gcode.support.errors import UserError
 from gcode.support.html import card
 from gcode.support.strict import validated
 from gcode.trajectories.natural import Noise
-from gcode.trajectories.planning import plan
+from gcode.trajectories.planning import check_request, plan
 from gcode.trajectories.target import NAMES
 from gcode.trajectories.trajectory import Trajectory, TrajectorySpec
 
@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 MISSED = 0.05  # relative deviation from a target that is worth a note
 LITTLE_USED = 0.85
+AMPLE, FAR_OFF_MM = 5.0, 0.05  # a controller that has so many times the plan's acceleration follows it; off a plan
+FEW_CELLS = 100  # of a noise: so few do not have its statistics
 _RESERVES = (1.0, 0.85, 0.7, 0.5)  # tried in turn when the controller's deviations pass a limit
 
 
@@ -77,13 +79,29 @@ class Made:
                 off = zip(NAMES, piece.target.deviations(self.statistics).tolist(), strict=True)
                 missed = ", ".join(f"{name} {value:+.0%}" for name, value in off if abs(value) > MISSED)
                 notes += [f"the target is missed at this gauge length and range: {missed}"] if missed else []
+            if piece.duration_s * piece.cells_per_s < FEW_CELLS:
+                notes = [note.replace("at this gauge length and range", "in so short a motion") for note in notes]
+                continue
             reached = (self.statistics.x_max_mm - self.spec.offset_mm) / self.gauge_length_mm * 100.0
             if reached < LITTLE_USED * piece.high_percent:
                 notes.append(
                     f"strain reaches {reached:.0f} % of {piece.high_percent:g} %: such speeds and accelerations need "
                     "a smaller stroke; gcode fit finds others for this gauge length"
                 )
-        return notes
+        return notes + self._off_the_plan()
+
+    def _off_the_plan(self) -> list[str]:
+        """What a controller of little acceleration makes of the plan, where that is something else."""
+        acceleration = self.spec.controller_acceleration_mm_per_s2
+        if acceleration >= AMPLE * self.spec.limits.a_max_mm_per_s2:
+            return []
+        done_mm, planned_mm = executed(self).position_mm, self.trajectory.position_mm
+        count = min(len(done_mm), len(planned_mm))
+        off_mm = float(np.abs(done_mm[:count] - planned_mm[:count]).max())
+        if off_mm <= FAR_OFF_MM:
+            return []
+        remedy = "set a higher one in the machine, or plan a slower motion"
+        return [f"a controller of {acceleration:g} mm/s2 is up to {off_mm:.2f} mm off this plan: {remedy}"]
 
     def recipe(self) -> dict[str, Any]:
         """What `make` was called with, and the version that did it."""
@@ -121,9 +139,8 @@ def make(spec: TrajectorySpec, seed: int, gauge_length_mm: float, feed_mode: Fee
     UserError
         If the request cannot be planned, or the program does not pass its own check.
     """
-    # A header takes numbers of Python only.
-    seed = seed.item() if isinstance(seed, np.integer) else seed
-    gauge_length_mm = gauge_length_mm.item() if isinstance(gauge_length_mm, np.number) else gauge_length_mm
+    check_request(spec, seed, gauge_length_mm)
+    seed, gauge_length_mm = int(seed), float(gauge_length_mm)  # as a header of ours is read again
     for reserve in _RESERVES:
         made, problems = _attempt(spec, seed, gauge_length_mm, feed_mode, reserve)
         if not problems:

@@ -16,8 +16,8 @@ from gcode.trajectories.trajectory import Trajectory, TrajectorySpec, position_d
 MOST_STROKES = 2_000_000
 # Finite differences of rounded positions, and the executed motion's own deviations, need some room.
 _MARGINS = (0.95, 0.9, 0.8, 0.6)
-# A controller follows a plan within micrometres where the plan uses at most half of its acceleration: more of it, and
-# turns that lie between two samples are cut or passed by tenths of a millimetre.
+# A controller that has twice the acceleration of a plan follows straight strokes within micrometres; with less, turns
+# that lie between two samples are cut or passed by tenths of a millimetre.
 _FOLLOWED = 0.5
 # A tenth of a yarn's fibre, and a house: what is beyond would be planned for ever.
 SHORTEST_GAUGE_MM, LONGEST_GAUGE_PLANNED_MM = 1e-3, 10_000.0

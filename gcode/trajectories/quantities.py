@@ -22,8 +22,13 @@ class SpecModel(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    def __init__(self, **fields: Any) -> None:
-        """Raise `UserError` where a field is unknown or missing, or has a value that it cannot have."""
+    def __init__(self, *unnamed: Any, **fields: Any) -> None:
+        """Raise `UserError` where a field is unknown, unnamed or missing, or has a value that it cannot have."""
+        if unnamed:
+            names = ", ".join(type(self).model_fields)
+            raise UserError(
+                f"{type(self).__name__} takes its fields by name: {names}; got {unnamed[0]!r} without one"
+            )
         try:
             super().__init__(**fields)
         except ValidationError as error:

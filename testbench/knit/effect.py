@@ -169,8 +169,13 @@ class Effect(BaseModel):
         super().__init_subclass__(**kwargs)
         cls.mechanism = cls.mechanism or cls.name
 
-    def __init__(self, **parameters: Any) -> None:
-        """Raise `UserError` where a parameter is unknown, or a value is no number or out of its bounds."""
+    def __init__(self, *unnamed: Any, **parameters: Any) -> None:
+        """Raise `UserError` where a parameter is unknown or unnamed, or a value is no number or out of its bounds."""
+        if unnamed:
+            names = ", ".join(type(self).model_fields)
+            raise UserError(
+                f"{type(self).__name__} takes its parameters by name: {names}; got {unnamed[0]!r} without one"
+            )
         try:
             super().__init__(**parameters)
         except ValidationError as error:

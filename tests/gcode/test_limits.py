@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -108,6 +110,17 @@ def test_a_move_below_the_programs_last_digit_is_no_move():
     spec = TrajectorySpec(pieces=(ReturnToZero(rest_s=1e-12),), offset_mm=1e-12)
     with pytest.raises(UserError, match="never moves"):
         plan(spec, 1, 25.0)
+
+
+def test_a_controller_that_cannot_follow_is_spoken_of():
+    spec = preset("paper-1")
+    short = tuple(piece.model_copy(update={"duration_s": 120.0}) for piece in spec.pieces)
+    slow = spec.model_copy(update={"pieces": short, "machine_acceleration_mm_per_s2": 5.0})
+    (note,) = [note for note in make(slow, 3, 25.0).notes() if "controller" in note]
+    assert re.search(r"a controller of 5 mm/s2 is up to 0\.\d+ mm off this plan", note)
+    brisk = slow.model_copy(update={"machine_acceleration_mm_per_s2": 60.0})
+    assert not [note for note in make(brisk, 3, 25.0).notes() if "controller" in note]
+    assert [note for note in make(brisk, 3, 25.0).notes() if "in so short a motion" in note]
 
 
 @pytest.mark.parametrize("machine_mm_per_s2", [2.0, 5.0, 20.0, 60.0])

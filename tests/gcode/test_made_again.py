@@ -217,3 +217,11 @@ def test_noise_of_any_preset_is_genuine_in_both_feed_modes():
 def test_numbers_of_numpy_are_those_of_python(kind):
     made = gcode.generate("paper-1", seed=kind(3), gauge_length_mm=np.float32(25), duration_s=30)
     assert made.program == gcode.generate("paper-1", seed=3, gauge_length_mm=25.0, duration_s=30).program
+
+
+@pytest.mark.parametrize("gauge_length_mm", [25, 25.0, np.int64(25), np.float32(25)])
+def test_a_whole_number_is_a_gauge_length_like_another(gauge_length_mm):
+    """Its header said 25, and 25.0 was due."""
+    made = gcode.generate("paper-1", seed=np.int64(3), duration_s=20, gauge_length_mm=gauge_length_mm)
+    assert gcode.check(made).ok
+    assert made.program == gcode.generate("paper-1", seed=3, duration_s=20, gauge_length_mm=25.0).program

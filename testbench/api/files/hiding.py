@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gcode.support.errors import UserError
 from gcode.support.html import card
 from gcode.support.kinds import number, whole
 from gcode.support.strict import read_json
@@ -136,6 +137,8 @@ def hide(
     ...     [len(one.channels) for one in (case.calibration, case.held_out)], case.truth["verdict"]
     ([3, 3], 'missing')
     """
+    if not isinstance(effect, str | None):
+        raise UserError(f"effect: must be a name such as 'stress_relaxation', got {effect!r}")
     case = make_case(
         effect,
         number("strength", strength),

@@ -92,7 +92,7 @@ class WearLaw(ConductanceLaw):
 class CoatingWear(WearLaw):
     """Rubbing yarns wear their conductive coating off: conductance falls with the path they rub.
 
-    ln G -= loss * path / 100,   path = integral of |de|
+    ln G -= loss * path / 100,   path = integral of |de|, 0.004 less at each turn
 
     Source: Archard, J. Appl. Phys. 24 (1953) 981 (wear volume in proportion to the sliding path).
     Valid: thick coating, constant load.
@@ -111,7 +111,7 @@ class CoatingWear(WearLaw):
 class CoatingWearThrough(WearLaw):
     """The coating gets thinner by the same amount on every path, until it is worn through.
 
-    ln G += ln(1 - loss * path / 100),   path = integral of |de|
+    ln G += ln(1 - loss * path / 100),   path = integral of |de|, 0.004 less at each turn
 
     Source: Archard, J. Appl. Phys. 24 (1953) 981; the conductance of a film is in proportion to its thickness.
     Valid: constant load; at least 1 % of the coating is left.
@@ -132,7 +132,7 @@ class CoatingWearThrough(WearLaw):
 class CoatingWearRunningIn(WearLaw):
     """The coating wears most at first: what stands out is rubbed off, the rest is pressed flat.
 
-    ln G -= loss * ln(1 + path / running_in),   path = integral of |de|
+    ln G -= loss * ln(1 + path / running_in),   path = integral of |de|, 0.004 less at each turn
 
     Source: running-in after Archard, J. Appl. Phys. 24 (1953) 981, with a wear rate that falls with the path; Blau,
     Tribol. Int. 38 (2005) 1007. Valid: constant load.
@@ -173,7 +173,7 @@ class CoatingWearLoad(WearLaw):
 class CoatingWearWeibull(WearLaw):
     """The coating goes with the path: at once and ever more slowly, or late and then quickly.
 
-    ln G -= loss * (1 - exp(-(path / scale)^shape)),   path = integral of |de|
+    ln G -= loss * (1 - exp(-(path / scale)^shape)),   path = integral of |de|, 0.004 less at each turn
 
     Source: Weibull, J. Appl. Mech. 18 (1951) 293 (lives of parts that differ), for patches of the coating.
     Valid: constant load.

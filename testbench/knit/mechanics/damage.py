@@ -202,7 +202,7 @@ class LevellingOff(FatigueLaw):
 class CyclicFatigue(LevellingOff):
     """The knit loses force with every cycle and levels off.
 
-    F *= 1 - loss * (1 - exp(-path / scale)),   path = integral of |de|
+    F *= 1 - loss * (1 - exp(-path / scale)),   path = integral of |de|, 0.004 less at each turn
 
     Source: Chaboche, Int. J. Plasticity 5 (1989) 247 (cyclic softening over the accumulated strain).
     Valid: conditioning and fatigue before rupture. Path counts from the first sample.
@@ -222,7 +222,7 @@ class CyclicFatigue(LevellingOff):
 class CyclicFatigueLog(FatigueLaw):
     """The knit loses the same share of force in every tenfold number of cycles.
 
-    F *= max(1 - per_decade * log10(1 + path / scale), 0),   path = integral of |de|
+    F *= max(1 - per_decade * log10(1 + path / scale), 0),   path = integral of |de|, 0.004 less at each turn
 
     Source: engineering use, after the straight lines that cyclic softening shows over the logarithm of cycles.
     Valid: before rupture.
@@ -243,7 +243,7 @@ class CyclicFatigueLog(FatigueLaw):
 class CyclicFatigueWeibull(LevellingOff):
     """The knit loses force with the strain path: at once and ever more slowly, or late and then quickly.
 
-    F *= 1 - loss * (1 - exp(-(path / scale)^shape)),   path = integral of |de|
+    F *= 1 - loss * (1 - exp(-(path / scale)^shape)),   path = integral of |de|, 0.004 less at each turn
 
     `shape` below 1: the weak parts go first, nearly with a power of the path; above 1: after an incubation.
 

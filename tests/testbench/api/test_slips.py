@@ -259,3 +259,14 @@ def test_a_coordinate_that_is_none_is_refused_with_those_there_are():
 def test_the_gauge_length_that_a_recording_has_may_be_said_again():
     recording = tb.example(duration_s=20)
     assert opened(recording, 25) is opened(recording, None, usual_mm=30) is recording
+
+
+def test_values_without_a_name_are_a_sentence(tmp_path):
+    with pytest.raises(
+        tb.UserError, match=r"takes its parameters by name: fraction, tau_s; got 0\.2"
+    ):
+        tb.effects.StressRelaxation(0.2)
+    with pytest.raises(tb.UserError, match=r"Hold takes its fields by name: .*duration_s.*; got 5 without one"):
+        gcode.Hold(5)
+    with pytest.raises(tb.UserError, match="effect: must be a name such as 'stress_relaxation', got"):
+        tb.hide(tb.effects.StressRelaxation(), tmp_path / "case")
