@@ -15,7 +15,7 @@ from testbench.report.figures.trajectory_figures import motion
 from testbench.studio.jobs.job import Job, State
 from testbench.studio.parts.address import Address
 from testbench.studio.parts.fields import asked, check, keep_in, number_field, typed
-from testbench.studio.parts.job_card import open_campaign_of, start_in
+from testbench.studio.parts.job_card import join_newest, open_campaign_of, start_in
 from testbench.studio.parts.picture import plot
 from testbench.studio.parts.widgets import aside, attempt, facts, guarded, heading, subheading
 from testbench.studio.studio import Studio
@@ -92,6 +92,7 @@ def _form(studio: Studio, where: Address, begun: Callable[[], object]) -> None:
             start_in(holder, studio, f"plan:{name}", f"Planning {name}", argv, partial(_planned, where))
 
         ui.button("Plan", icon="timeline", on_click=lambda: attempt(start)).props("unelevated")
+        join_newest(holder, studio, "plan", partial(_planned, where))
 
 
 def _limits(where: Address) -> dict[str, ui.number]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import json
+import time
 from collections.abc import Awaitable, Callable, Sequence
 from html import escape
 from pathlib import Path
@@ -16,6 +17,8 @@ from testbench.studio.jobs.job import Job, State
 from testbench.studio.jobs.pace import duration_in_words
 from testbench.studio.parts.address import address
 from testbench.studio.studio import Studio
+
+SHOWN_S = 300.0  # what failed is still said for so long
 
 
 def job_card(studio: Studio, job: Job, on_end: Callable[[Job], Awaitable[None] | None] | None = None) -> None:
@@ -36,6 +39,18 @@ def start_in(
     holder.clear()
     with holder:
         job_card(studio, job, on_end)
+
+
+def join_newest(
+    holder: ui.column, studio: Studio, kind: str, on_end: Callable[[Job], Awaitable[None] | None]
+) -> None:
+    """Show the newest job of a kind where it runs, or has failed a short while ago: the page was read anew."""
+    job = next((job for job in reversed(studio.jobs.jobs) if job.key.partition(":")[0] == kind), None)
+    if job is None or job.state not in (State.RUNNING, State.FAILED):
+        return
+    if job.running or time.monotonic() - (job.ended_s or 0.0) < SHOWN_S:
+        with holder:
+            job_card(studio, job, on_end)
 
 
 def open_campaign_of(studio: Studio, job: Job) -> None:

@@ -23,6 +23,7 @@ PLACES = {
     "align": "/align",
     "record": "/record",
 }
+WITHOUT_CAMPAIGN = {"plan": "/plan", "import": "/import", "effects": "/effects"}
 
 
 def running_now(studio: Studio) -> None:
@@ -76,6 +77,6 @@ def place_of(job: Job) -> str:
     """The page on which a job is looked at; empty where it has none of its own."""
     kind, campaign = job.key.partition(":")[0], campaign_of(job.key)
     if kind not in PLACES:
-        return ""
+        return WITHOUT_CAMPAIGN.get(kind, "")
     target = job.key.rpartition(":")[2] if kind in WITH_TARGET else ""
     return address(PLACES[kind], c=campaign, target=target)

@@ -262,9 +262,7 @@ def test_the_gauge_length_that_a_recording_has_may_be_said_again():
 
 
 def test_values_without_a_name_are_a_sentence(tmp_path):
-    with pytest.raises(
-        tb.UserError, match=r"takes its parameters by name: fraction, tau_s; got 0\.2"
-    ):
+    with pytest.raises(tb.UserError, match=r"takes its parameters by name: fraction, tau_s; got 0\.2"):
         tb.effects.StressRelaxation(0.2)
     with pytest.raises(tb.UserError, match=r"Hold takes its fields by name: .*duration_s.*; got 5 without one"):
         gcode.Hold(5)

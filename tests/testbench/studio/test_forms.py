@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import asyncio
 import json
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from gcode.support.errors import UserError
 from testbench.commands.record import add_arguments
 from testbench.studio.jobs.job import Job, State
 from testbench.studio.parts.address import address
+from testbench.studio.parts.running_jobs import place_of
 from testbench.studio.studio import KEY_RECORDING, KEY_RIG, Studio
 from tests.testbench.importing import exports
 from tests.testbench.studio.diagnoses import with_diagnosis
@@ -163,3 +165,13 @@ async def test_a_recorder_that_did_not_begin_promises_nothing_and_leads_back(use
     assert rig.state is State.CANCELLED
     user.find("Record another").click()
     await user.should_see("No program yet", retries=50)
+
+
+async def test_a_plan_that_failed_still_says_so_after_a_reload(user: User, studio: Studio) -> None:
+    argv = ["gcode", "generate", "--preset", "paper-1", "--seed", "1", "--gauge-length-mm", "25", "--v-max=0.0001"]
+    job = studio.jobs.start("plan:slow", "Planning slow", [*argv, "-o", str(studio.workspace.root / "p")])
+    assert place_of(job) == "/plan"
+    await asyncio.wait_for(job.task, 60)
+    await user.open("/plan")
+    await user.should_see("Planning slow")
+    await user.should_see("failed after")
