@@ -116,7 +116,7 @@ class Live:
             with ui.row():
                 self._ways_on()
                 ui.button("Record another", icon="edit", on_click=ui.navigate.reload).props("outline")
-        if self.job.state is State.FAILED:
+        if self.job.state is State.FAILED and not self.follower.path.is_file():  # else it may be gone on with
             await self._stop_rig()
 
     def _ways_on(self) -> None:
