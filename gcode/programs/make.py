@@ -23,7 +23,7 @@ from gcode.support.strict import validated
 from gcode.trajectories.natural import Noise
 from gcode.trajectories.planning import check_request, plan
 from gcode.trajectories.target import NAMES
-from gcode.trajectories.trajectory import Trajectory, TrajectorySpec
+from gcode.trajectories.trajectory import AMPLE, Trajectory, TrajectorySpec
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 MISSED = 0.05  # relative deviation from a target that is worth a note
 LITTLE_USED = 0.85
-AMPLE, FAR_OFF_MM = 5.0, 0.05  # a controller that has so many times the plan's acceleration follows it; off a plan
+FAR_OFF_MM = 0.05  # of an executed motion from its plan
 FEW_CELLS = 100  # of a noise: so few do not have its statistics
 _RESERVES = (1.0, 0.85, 0.7, 0.5)  # tried in turn when the controller's deviations pass a limit
 
@@ -75,15 +75,14 @@ class Made:
         for piece in self.spec.pieces:
             if not isinstance(piece, Noise) or piece.target is None:
                 continue
+            is_short = piece.duration_s * piece.cells_per_s < FEW_CELLS
             if len(self.spec.pieces) == 1:
                 off = zip(NAMES, piece.target.deviations(self.statistics).tolist(), strict=True)
                 missed = ", ".join(f"{name} {value:+.0%}" for name, value in off if abs(value) > MISSED)
-                notes += [f"the target is missed at this gauge length and range: {missed}"] if missed else []
-            if piece.duration_s * piece.cells_per_s < FEW_CELLS:
-                notes = [note.replace("at this gauge length and range", "in so short a motion") for note in notes]
-                continue
+                where = "in so short a motion" if is_short else "at this gauge length and range"
+                notes += [f"the target is missed {where}: {missed}"] if missed else []
             reached = (self.statistics.x_max_mm - self.spec.offset_mm) / self.gauge_length_mm * 100.0
-            if reached < LITTLE_USED * piece.high_percent:
+            if not is_short and reached < LITTLE_USED * piece.high_percent:
                 notes.append(
                     f"strain reaches {reached:.0f} % of {piece.high_percent:g} %: such speeds and accelerations need "
                     "a smaller stroke; gcode fit finds others for this gauge length"

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import operator
 import os
+from collections.abc import Sequence
 from numbers import Real
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from gcode.support.errors import UserError
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
 
 Wanted = TypeVar("Wanted")
 
@@ -67,3 +71,10 @@ def instance(name: str, value: Any, kind: type[Wanted]) -> Wanted:
         remedy = f"; write {kind.__name__}(**...) around the mapping" if hasattr(value, "items") else ""
         raise UserError(f"{name} must be of the class {kind.__name__}, got {type(value).__name__}{remedy}")
     return value
+
+
+def only_by_name(model: type[BaseModel], what: str, unnamed: Sequence[object]) -> None:
+    """Raise `UserError` where values were given without a name to a model that takes its fields by name."""
+    if unnamed:
+        names = ", ".join(model.model_fields)
+        raise UserError(f"{model.__name__} takes its {what} by name: {names}; got {unnamed[0]!r} without one")

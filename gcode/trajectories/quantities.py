@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from gcode.support.errors import UserError, first_problem
+from gcode.support.kinds import only_by_name
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Duration = Annotated[float, Field(gt=0, le=48 * 3600, allow_inf_nan=False)]
@@ -24,11 +25,7 @@ class SpecModel(BaseModel):
 
     def __init__(self, *unnamed: Any, **fields: Any) -> None:
         """Raise `UserError` where a field is unknown, unnamed or missing, or has a value that it cannot have."""
-        if unnamed:
-            names = ", ".join(type(self).model_fields)
-            raise UserError(
-                f"{type(self).__name__} takes its fields by name: {names}; got {unnamed[0]!r} without one"
-            )
+        only_by_name(type(self), "fields", unnamed)
         try:
             super().__init__(**fields)
         except ValidationError as error:

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
+AMPLE = 5.0  # times the limit: a controller of so much acceleration follows any plan within it
+
 
 def position_decimals(rate_hz: float) -> int:
     """Decimals of a position: 4 up to 50 Hz; more at higher rates, where rounding would look like acceleration."""
@@ -69,7 +71,7 @@ class TrajectorySpec(SpecModel):
     @property
     def controller_acceleration_mm_per_s2(self) -> float:
         """The controller's acceleration, stated or five times the limit."""
-        return self.machine_acceleration_mm_per_s2 or 5.0 * self.limits.a_max_mm_per_s2
+        return self.machine_acceleration_mm_per_s2 or AMPLE * self.limits.a_max_mm_per_s2
 
     @classmethod
     def of(cls, protocol: Protocol | Piece, **settings: Any) -> TrajectorySpec:

@@ -35,6 +35,7 @@ from pydantic.fields import FieldInfo
 
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
+from gcode.support.kinds import only_by_name
 
 Signals = Mapping[str, FloatArray]
 
@@ -171,11 +172,7 @@ class Effect(BaseModel):
 
     def __init__(self, *unnamed: Any, **parameters: Any) -> None:
         """Raise `UserError` where a parameter is unknown or unnamed, or a value is no number or out of its bounds."""
-        if unnamed:
-            names = ", ".join(type(self).model_fields)
-            raise UserError(
-                f"{type(self).__name__} takes its parameters by name: {names}; got {unnamed[0]!r} without one"
-            )
+        only_by_name(type(self), "parameters", unnamed)
         try:
             super().__init__(**parameters)
         except ValidationError as error:

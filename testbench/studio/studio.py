@@ -32,7 +32,7 @@ RESULTS_URL = "/files"  # below it, the server hands out what was made from the 
 KEPT_SKETCHES = 2000
 COMMANDS = "commands.txt"
 LOGGED = (KEY_RECORDING, "run", "import", "align", "model", "diagnose", "experiment", "propose", "train", "score")
-WITH_TARGET = ("train", "score")
+WITH_TARGET = ("train", "score", "export")
 MOST_EFFECTS_BYTES = 1 << 20
 POINTER = "effects-file.txt"  # below results; one line, the path of the file with own effects
 

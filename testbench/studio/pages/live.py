@@ -107,16 +107,16 @@ class Live:
         self.stop.set_visibility(False)
         said = str(self.job.latest.get("message") or "")
         state = str(self.job.latest.get("state") or self.job.state.value)
+        failed, kept = self.job.state is State.FAILED, self.follower.path.is_file()
         with self.end:
-            if self.job.state is State.FAILED:
-                kept = self.follower.path.is_file()
+            if failed:
                 trouble(said or self.job.problem, "Every sample up to that moment is on disk." if kept else "")
             else:
                 ui.label(f"{self.job.title}: {ENDS.get(state, state)}. {said}").classes("verdict")
             with ui.row():
                 self._ways_on()
                 ui.button("Record another", icon="edit", on_click=ui.navigate.reload).props("outline")
-        if self.job.state is State.FAILED and not self.follower.path.is_file():  # else it may be gone on with
+        if failed and not kept:  # else it may be gone on with
             await self._stop_rig()
 
     def _ways_on(self) -> None:

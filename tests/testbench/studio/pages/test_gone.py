@@ -83,6 +83,7 @@ async def test_a_campaign_that_a_job_is_about_is_not_deleted(studio: Studio, mon
 async def test_a_campaign_may_have_a_colon_in_its_name() -> None:
     assert campaign_of("train:a:b:force") == "a:b"
     assert place_of(SimpleNamespace(key="train:a:b:force")) == "/compensate?c=a%3Ab&target=force"
+    assert place_of(SimpleNamespace(key="export:sleeve:force")) == "/compensate?c=sleeve&target=force"
     assert place_of(SimpleNamespace(key="model:a:b")) == "/compare?c=a%3Ab"
 
 
