@@ -15,13 +15,15 @@ from testbench.recordings import manifest
 from testbench.recordings.files import check_beside
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.manifest import read_manifest
+from testbench.rig.acquisition.ending import EndOfMotion
 from testbench.rig.simulation.past import DEFAULT_REST_S, past_displacement
 from testbench.rig.simulation.played import played
 from testbench.rig.simulation.simulated import SIMULATED_HZ, Motion, SimulatedRig
 from testbench.trust import named_effects
 
 PROGRAM, EFFECTS = "program.tap", "effects.py"
-HOLD_S = 3.0  # the rig on a port stands still so long after its motion, for the recorder to see that it is over
+# The rig on a port stands still after its motion for so long, and for as long as a recorder waits, within reason.
+HOLD_S, MOST_HOLD_S = 3.0, 60.0
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,8 @@ class Plan:
 
     def wire_lines(self, motion: Motion) -> list[bytes]:
         """All lines that the rig sends to a port while it plays this plan along `motion`, and then stands still."""
-        return list(self.rig(motion.held(HOLD_S)).lines())
+        hold_s = HOLD_S + min(EndOfMotion.of(motion).patience_s, MOST_HOLD_S)
+        return list(self.rig(motion.held(hold_s)).lines())
 
     def copy_sources(self, folder: Path) -> None:
         """Put all files that the campaign is to be made from into its folder."""

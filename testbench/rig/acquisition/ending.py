@@ -144,6 +144,11 @@ class EndOfMotion:
         return float(np.clip(slower, 1.0, LONGEST_TIMES)) * self.last_s
 
     @property
+    def patience_s(self) -> float:
+        """How long a stage may have to stand at its end until that is known to be the end."""
+        return TAIL_S + LONGEST_TIMES * max(self.longest_rest_s, self.last_s, self.pause_s)
+
+    @property
     def waiting(self) -> bool:
         """Whether the stage has not moved yet."""
         return not np.isfinite(self._end_us)

@@ -11,6 +11,7 @@ import gcode
 from testbench.rig.acquisition.ending import LONGEST_TIMES, TAIL_S, EndOfMotion
 from testbench.rig.acquisition.resume import Left, watched
 from testbench.rig.simulation.simulated import Motion
+from tests.testbench.rig.rigs import plan
 
 RATE_HZ = 40.0
 STARTS_S = 3.0  # after the recorder
@@ -94,6 +95,14 @@ def test_where_lines_were_lost_the_end_is_found_by_standing_for_longer_than_any_
     rest_s = EndOfMotion.of(motion).longest_rest_s
     assert 8.0 < rest_s < 9.0
     assert STARTS_S + motion.duration_s < end < STARTS_S + motion.duration_s + LONGEST_TIMES * rest_s + 2 * TAIL_S
+
+
+def test_the_rig_on_a_port_stands_until_a_recorder_that_lost_lines_knows_the_end(tmp_path):
+    """It stood for 3 s, and such a recording waited for a device that said nothing any more."""
+    wish, motion = plan(tmp_path), with_pauses()
+    longer_s = len(wish.wire_lines(motion)) / len(list(wish.rig(motion).lines())) * motion.duration_s
+    end = end_s(motion, 1.0, lost_s=(20.0, 32.0)) - STARTS_S
+    assert motion.duration_s + TAIL_S < end < longer_s
 
 
 def test_after_a_resume_a_stage_is_watched_before_it_is_said_to_stand():
