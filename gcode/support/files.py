@@ -27,29 +27,33 @@ PROGRAM_NAMES, PROGRAM_BEGINS = (".tap", ".nc", ".ngc", ".gcode"), b"(RATE_HZ: "
 
 
 @contextlib.contextmanager
-def atomic_path(path: str | Path) -> Iterator[Path]:
+def atomic_path(path: str | Path, *, recorded: bool = False) -> Iterator[Path]:
     """Yield a temporary sibling of `path`; move it into place when the block ends well.
+
+    `recorded` says that it is one of a recording's own files and may be replaced.
 
     Raises
     ------
     UserError
-        If the folder does not exist or cannot be written.
+        If the folder does not exist or cannot be written, or the disk does not take the file; what was there before is
+        untouched.
     """
     path = path_of(path)
-    _check_replaceable(path)
+    if not recorded:
+        _check_replaceable(path)
     temporary = _sibling(path)
     try:
         disk.DISK.close(disk.DISK.create(temporary))
-    except OSError as error:
-        raise UserError(f"cannot write {path}: {error.strerror or error}; choose another place with -o") from error
-    try:
         yield temporary
         with temporary.open("rb") as written:
             disk.DISK.sync(written.fileno())
         disk.DISK.rename(temporary, path)
         disk.sync_quietly(path.parent)
+    except OSError as error:
+        raise UserError(f"cannot write {path}: {error.strerror or error}; choose another place with -o") from error
     finally:
-        temporary.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
 
 
 def check_place(path: str | Path | None, flag: str = "-o", overwrite: bool = False) -> None:
@@ -163,24 +167,12 @@ def write_bytes(path: str | Path, data: bytes, *, recorded: bool = False) -> Non
 @contextlib.contextmanager
 def atomic_writer(path: str | Path, *, recorded: bool = False) -> Iterator[Callable[[bytes], None]]:
     """Yield a function that writes the next bytes of a file; `path` becomes that file when the block ends well."""
-    path = path_of(path)
-    if not recorded:
-        _check_replaceable(path)
-    temporary = _sibling(path)
-    try:
-        handle = disk.DISK.create(temporary)
+    with atomic_path(path, recorded=recorded) as temporary:
+        handle = disk.DISK.grow(temporary)
         try:
             yield lambda data: disk.write_all(handle, data)
-            disk.DISK.sync(handle)
         finally:
             disk.DISK.close(handle)
-        disk.DISK.rename(temporary, path)
-        disk.sync_quietly(path.parent)
-    except OSError as error:
-        raise UserError(f"cannot write {path}: {error.strerror or error}; choose another place with -o") from error
-    finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)
 
 
 def write_text(path: str | Path, text: str) -> None:

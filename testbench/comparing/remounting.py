@@ -8,11 +8,48 @@ import numpy as np
 
 from testbench.comparing.clamping import moved, zero_of
 from testbench.comparing.model_errors import log_error, rms_errors
-from testbench.fitting.baseline import without_zeros
+from testbench.fitting.baseline import without_shapes, without_zeros
 from testbench.fitting.fit import fit
-from testbench.knit.effect import bounds_of
+from testbench.knit.additive import AdditiveLaw
+from testbench.knit.effect import FloatArray, Signals, Stage, bounds_of, parameter
+from testbench.knit.filters import factor_of
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
+from testbench.measurements.responses import SIGNAL_OF
+
+
+class ForceOffset(AdditiveLaw):
+    """The zero of the load cell in one recording: F += offset."""
+
+    name = "force_offset"
+    stage = Stage.READOUT
+    reads, writes = ("force_N",), ("force_N",)
+    strength = "offset_N"
+
+    offset_N: float = parameter(0.0, unit="N", low=-1e3, high=1e3, typical=1.0, doc="what is read without load")
+
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
+        return np.array(self.offset_N)
+
+    def put(self, signals: Signals, change: FloatArray) -> dict[str, FloatArray]:
+        return {"force_N": signals["force_N"] + change}
+
+
+class ConductanceGain(AdditiveLaw):
+    """The gain of the conductance in one recording: ln G += gain."""
+
+    name = "conductance_gain"
+    stage = Stage.READOUT
+    reads, writes = ("conductance_S",), ("conductance_S",)
+    strength = "gain"
+
+    gain: float = parameter(0.0, unit="1", low=-20, high=20, typical=1.0, doc="ln of the ratio to the model's")
+
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
+        return factor_of(np.array(self.gain))
+
+    def put(self, signals: Signals, change: FloatArray) -> dict[str, FloatArray]:
+        return {"conductance_S": signals["conductance_S"] * change}
 
 
 def held_errors(model: KnitModel, held: Measurement) -> dict[str, float]:
@@ -34,7 +71,10 @@ def brought_together(model: KnitModel, held: Measurement) -> tuple[KnitModel, Me
 
 
 def remounted(model: KnitModel, measurement: Measurement) -> KnitModel:
-    """The model with the parameters that belong to one recording fitted to this one."""
+    """The model with the parameters that belong to one recording fitted to this one.
+
+    Its zero of force and its gain are free meanwhile: a line through an offset would have another slope.
+    """
     own = {name: effect.of_one_recording(measurement.signals) for name, effect in model.effects.items()}
     free = {f"{name}.{key}" for name, keys in own.items() for key in keys}
     if not free:
@@ -44,7 +84,13 @@ def remounted(model: KnitModel, measurement: Measurement) -> KnitModel:
             model = _placed(model, name, keys, measurement)
     for address in sorted(free):
         model = _best_of_turn(model, address, measurement)
-    return fit(model, measurement, iterations=8, free=lambda a: a.partition("[")[0] in free).model
+    measured = {SIGNAL_OF[channel] for channel in measurement.channels}
+    offsets = [law for law in (ForceOffset(), ConductanceGain()) if law.writes[0] in measured]
+    for law in offsets:
+        model = model.plus(law)
+    free |= {f"{law.name}.{law.strength}" for law in offsets}
+    found = fit(model, measurement, iterations=8, free=lambda a: a.partition("[")[0] in free).model
+    return without_shapes(found, [law.name for law in offsets])
 
 
 def _placed(model: KnitModel, name: str, keys: Sequence[str], measurement: Measurement) -> KnitModel:
@@ -63,4 +109,4 @@ def _best_of_turn(model: KnitModel, address: str, measurement: Measurement) -> K
     if extra["unit"] != "rad":
         return model
     turns = [model.with_parameters({address: phase}) for phase in np.linspace(-np.pi, np.pi, 8, endpoint=False)]
-    return min(turns, key=lambda turned: log_error(turned, measurement))
+    return min(turns, key=lambda turned: log_error(turned, measurement, free_offset=True))

@@ -18,9 +18,9 @@ def spoken(name: str) -> str:
 
 def place_in_words(channel: str, coordinate: str, cell: Cell, size: float) -> str:
     """One sentence: what the model does wrong, by how much, and where."""
-    # measured minus modelled is negative where the model is too high
+    # The mean is measured minus modelled; of ln G, that is ln(measured / modelled).
     way = "too high" if cell.mean < 0 else "too low"
-    amount = abs(math.expm1(cell.mean)) if channel == "conductance" else abs(cell.mean) / size
+    amount = abs(math.expm1(-cell.mean)) if channel == "conductance" else abs(cell.mean) / size
     of = " of its range" if channel == "force" else ""
     return f"modelled {channel} is {100 * amount:.1f} %{of} {way} {where_in_words(coordinate, cell)}"
 

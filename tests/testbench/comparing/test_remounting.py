@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 
 from testbench.comparing.remounting import held_errors, remounted
 from testbench.fitting.fit import fit
@@ -54,6 +57,14 @@ def test_a_room_that_warmed_once_need_not_warm_again():
     warming, held = (truth().plus(TemperatureDriftTrend(coefficient_per_h=pace)) for pace in (1.0, -1.5))
     fitted = fit(warming, prepare(record(warming, 300, seed=1)))
     assert held_errors(fitted.model, prepare(record(held, 300, seed=2)))["conductance"] < 1.2 * NOISE_LN
+
+
+@pytest.mark.parametrize("gain", [-0.5, 0.05, 2.0])
+def test_a_room_warms_at_its_own_pace_beside_another_gain(gain: float):
+    warming = truth().plus(TemperatureDriftTrend(coefficient_per_h=1.0))
+    held = prepare(record(warming, 300, seed=2))
+    shifted = replace(held, measured=held.measured | {"conductance": held.measured["conductance"] + gain})
+    assert remounted(warming, shifted)["temperature_drift_trend"].coefficient_per_h == pytest.approx(1.0, abs=0.01)
 
 
 def test_a_recording_that_shows_nothing_of_the_room_leaves_the_model_as_it_is():

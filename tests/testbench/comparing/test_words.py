@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from testbench.comparing.cell import Cell
@@ -35,6 +37,11 @@ def test_places_are_told_in_one_unit_a_quantity(coordinate: str, there: Cell, wo
     assert told == f"modelled force is 8.0 % of its range too high {words}"
 
 
-def test_a_conductance_is_off_by_a_share_of_itself() -> None:
-    told = place_in_words("conductance", "cycle", cell(0, 1, mean=0.1), size=1.0)
-    assert told.startswith("modelled conductance is 10.5 % too low")
+@pytest.mark.parametrize(
+    ("measured_over_modelled", "words"), [(1.25, "20.0 % too low"), (0.8, "25.0 % too high"), (4.0, "75.0 % too low")]
+)
+def test_a_modelled_conductance_is_off_by_a_share_of_the_measured(
+    measured_over_modelled: float, words: str
+) -> None:
+    told = place_in_words("conductance", "cycle", cell(0, 1, mean=math.log(measured_over_modelled)), size=1.0)
+    assert told.startswith(f"modelled conductance is {words}")
