@@ -25,14 +25,13 @@ FORMAT, FORMAT_VERSION = "knitbench-compensator", 4
 # Version 2 has no `seen` and no `beginning`; version 3 no `settle_s`.
 READABLE = (2, 3, 4)
 
-
 # What a chip's float32 and products of a few of them can hold.
 LARGEST, SMALLEST = 1e12, 1e-30
 _Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 _Positive = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
 # A second, and a rate, within six orders of magnitude of one.
 SMALLEST_RATE_HZ, LARGEST_RATE_HZ = 1e-6, 1e6
-_Human = Annotated[float, Field(ge=SMALLEST_RATE_HZ, le=LARGEST_RATE_HZ)]
+_RateOrTime = Annotated[float, Field(ge=SMALLEST_RATE_HZ, le=LARGEST_RATE_HZ)]
 
 
 class _Strict(BaseModel):
@@ -50,9 +49,9 @@ class _Network(_Strict):
 
 
 class _History(_Strict):
-    motion_taus_s: list[_Human]
+    motion_taus_s: list[_RateOrTime]
     play_radii: list[_Positive]
-    settle_s: _Human = SETTLE_S
+    settle_s: _RateOrTime = SETTLE_S
 
 
 def _ordered(ends: Sequence[float]) -> Sequence[float]:
@@ -99,7 +98,7 @@ class _File(_Strict):
     version: int
     knitbench: str
     target: str = Field(pattern="^(force|displacement)$")
-    rate_hz: _Human
+    rate_hz: _RateOrTime
     alphas: list[Annotated[float, Field(ge=SMALLEST_ALPHA, le=1)]] = Field(min_length=1)
     start: str = Field(pattern="^(paper|causal)$")
     irregular: bool

@@ -13,12 +13,9 @@ import numpy as np
 
 from gcode.mach4.feeds import compensated_speeds, rounded_feeds
 from gcode.mach4.header import header_lines
-from gcode.mach4.reader import parse_program, read_program
 from gcode.mach4.seal import sealed
 from gcode.support.errors import UserError
 from gcode.trajectories.trajectory import Trajectory, position_decimals
-
-__all__ = ["parse_program", "read_program", "write_program"]
 
 FeedMode = Literal["G94", "G93"]
 SAFE_START = "G0 G90 G54 G17 G40 G49 G80"

@@ -35,8 +35,8 @@ def atomic_path(path: str | Path, *, recorded: bool = False) -> Iterator[Path]:
     Raises
     ------
     UserError
-        If the folder does not exist or cannot be written, or the disk does not take the file; what was there before is
-        untouched.
+        If the folder does not exist or cannot be written, or the disk does not take the file; what was there before
+        is untouched.
     """
     path = path_of(path)
     if not recorded:
@@ -171,6 +171,7 @@ def atomic_writer(path: str | Path, *, recorded: bool = False) -> Iterator[Calla
         handle = disk.DISK.grow(temporary)
         try:
             yield lambda data: disk.write_all(handle, data)
+            disk.DISK.sync(handle)
         finally:
             disk.DISK.close(handle)
 

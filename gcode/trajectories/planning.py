@@ -19,7 +19,7 @@ _MARGINS = (0.95, 0.9, 0.8, 0.6)
 # A controller that has twice the acceleration of a plan follows straight strokes within micrometres; with less, turns
 # that lie between two samples are cut or passed by tenths of a millimetre.
 _FOLLOWED = 0.5
-# A tenth of a yarn's fibre, and a house: what is beyond would be planned for ever.
+# Shorter than a fibre or longer than a house is a mistake of units, and would take for ever to plan.
 SHORTEST_GAUGE_MM, LONGEST_GAUGE_PLANNED_MM = 1e-3, 10_000.0
 
 

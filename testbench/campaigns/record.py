@@ -22,7 +22,7 @@ from testbench.rig.acquisition.resume import continued, mend, watched
 from testbench.rig.acquisition.sink import EVENTS, ROOM_BYTES, Sink, Syncer
 from testbench.rig.connection.parts import Part
 from testbench.rig.connection.ports import remembered_port, stated_port
-from testbench.rig.connection.serial_port import host_clock_s
+from testbench.rig.connection.serial_port import GIVE_UP_S, host_clock_s
 from testbench.rig.protocol.items import Event
 from testbench.rig.protocol.stream import Intake
 from testbench.rig.simulation.played import played
@@ -52,7 +52,7 @@ class Job:
     gauge_length_mm: float
     limits: Limits
     sensor: str = ""
-    give_up_s: float = 60.0
+    give_up_s: float = GIVE_UP_S
 
     @cached_property
     def motion(self) -> Motion:
@@ -79,7 +79,7 @@ def begin(job: Job, folder: Path) -> None:
         _mark_in_progress(draft, job.gauge_length_mm, job.recipe())
 
 
-def job_of(folder: Path, port: str | None = None, give_up_s: float = 60.0) -> Job:
+def job_of(folder: Path, port: str | None = None, give_up_s: float = GIVE_UP_S) -> Job:
     """The job of an unfinished recording, from its manifest; `port` where the device is elsewhere now.
 
     Raises

@@ -29,14 +29,14 @@ def _fixed(value: float, decimals: int) -> str:
     return f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}"  # and no "-0.0"
 
 
-def span(low: float, high: float, unit: str = "") -> str:
+def span(low: float, high: float, unit: str = "", between: str = "to") -> str:
     """``966 to 1100 s``: both ends with the decimals that the larger one needs for three digits."""
     largest = max(abs(low), abs(high))
     tail = f" {unit}" if unit else ""
     if largest == 0 or not SMALL <= largest < LARGE:
-        return f"{plain(low)} to {plain(high)}{tail}"
+        return f"{plain(low)} {between} {plain(high)}{tail}"
     size = math.floor(math.log10(largest))
-    return f"{_fixed(low, 2 - size)} to {_fixed(high, 2 - size)}{tail}"
+    return f"{_fixed(low, 2 - size)} {between} {_fixed(high, 2 - size)}{tail}"
 
 
 def in_unit(value: float, unit: str) -> tuple[float, str]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from testbench.comparing.clamping import moved, zero_of
 from testbench.comparing.model_errors import log_error, rms_errors
-from testbench.fitting.baseline import without_shapes, without_zeros
+from testbench.fitting.baseline import without_laws, without_zeros
 from testbench.fitting.fit import fit
 from testbench.knit.additive import AdditiveLaw
 from testbench.knit.effect import FloatArray, Signals, Stage, bounds_of, parameter
@@ -90,7 +90,7 @@ def remounted(model: KnitModel, measurement: Measurement) -> KnitModel:
         model = model.plus(law)
     free |= {f"{law.name}.{law.strength}" for law in offsets}
     found = fit(model, measurement, iterations=8, free=lambda a: a.partition("[")[0] in free).model
-    return without_shapes(found, [law.name for law in offsets])
+    return without_laws(found, [law.name for law in offsets])
 
 
 def _placed(model: KnitModel, name: str, keys: Sequence[str], measurement: Measurement) -> KnitModel:

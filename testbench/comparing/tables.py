@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, NamedTuple
 
 from testbench.comparing.clamping import Zero
 from testbench.comparing.compare import Comparison
@@ -50,20 +50,38 @@ def errors_line(step: Mapping[str, Any]) -> str:
     return f"{step['step']}: RMS error " + "; ".join(parts) + anew
 
 
+class LadderRow(NamedTuple):
+    """Errors of one channel after one step, in N or ln S; `fall` is the share of the first held-out error."""
+
+    step: str
+    channel: str
+    calibration: float
+    held_out: float
+    noise_floor: float
+    fall: float
+
+
+def ladder_rows(history: Iterable[Mapping[str, Any]]) -> Iterator[LadderRow]:
+    """A row for each step and channel of a model's history."""
+    first: dict[str, float] = {}
+    for step in history:
+        for channel, held in step["errors"]["held_out"].items():
+            top = first.setdefault(channel, held)
+            fall = 1 - held / top if top else 0.0
+            calibration, floor = step["errors"]["calibration"][channel], step["noise_floor"][channel]
+            yield LadderRow(step["step"], channel, calibration, held, floor, fall)
+
+
 def ladder_table(file: ModelFile) -> str:
     """The errors step by step, down to the noise floor."""
     wide = max(STEP_WIDTH, 2 + max((len(step["step"]) for step in file.history), default=0))
     lines = [f"{'step':<{wide}}{'channel':<13}{'calibration':>16}{'held out':>16}{'noise floor':>16}{'fall':>8}"]
-    first: dict[str, float] = {}
-    for step in file.history:
-        name, errors = step["step"], step["errors"]
-        for channel, held in errors["held_out"].items():
-            top = first.setdefault(channel, held)
-            numbers = (errors["calibration"][channel], held, step["noise_floor"][channel])
-            cells = "".join(f"{value:>11.4g} {UNIT_OF[channel]:<4}" for value in numbers)
-            left = held / top if top else 1.0
-            lines.append(f"{name:<{wide}}{channel_name(channel):<13}{cells}{100 * (1 - left):>z6.0f} %")
-            name = ""
+    rows = list(ladder_rows(file.history))
+    for row in rows:
+        name = row.step if row.channel == rows[0].channel else ""
+        numbers = (row.calibration, row.held_out, row.noise_floor)
+        cells = "".join(f"{value:>11.4g} {UNIT_OF[row.channel]:<4}" for value in numbers)
+        lines.append(f"{name:<{wide}}{channel_name(row.channel):<13}{cells}{100 * row.fall:>z6.0f} %")
     return "\n".join(lines)
 
 

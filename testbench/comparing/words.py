@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from testbench.comparing.cell import Cell
 from testbench.comparing.numbers import span
+from testbench.comparing.residual_coordinates import HOLD_RATE
 
 DOING = {1: " while stretching", -1: " while releasing", 0: ""}
 MANY = math.log(1e6)  # log odds beyond this are "more than a million to one"
@@ -29,15 +31,21 @@ def where_in_words(coordinate: str, cell: Cell) -> str:
     """A stretch of a coordinate; strains in % and rates in %/s."""
     low, high, doing = cell.low, cell.high, DOING[cell.direction]
     if coordinate == "strain":
-        return f"between {span(100 * low, 100 * high)} % strain{doing}".replace(" to ", " and ", 1)
+        return f"between {span(100 * low, 100 * high, between='and')} % strain{doing}"
     if coordinate == "largest_strain":
         if 100 * (high - low) < 0.05:
             return f"once the knit has seen {100 * high:.1f} % strain{doing}"
         return f"when the knit has seen at most {span(100 * low, 100 * high)} % strain{doing}"
     if coordinate == "strain_rate":
-        moving = "stretching" if low + high > 0 else "releasing"
-        return f"at strain rates of {span(100 * low, 100 * high)} %/s ({moving})"
+        return f"at strain rates of {span(100 * low, 100 * high)} %/s{_moving(low, high)}"
     return _when(coordinate, low, high, doing)
+
+
+def _moving(low: float, high: float) -> str:
+    """What the knit does at strain rates (1/s) from `low` to `high`; empty where that is more than one thing."""
+    if low >= HOLD_RATE or high <= -HOLD_RATE:
+        return " (stretching)" if low > 0 else " (releasing)"
+    return " (holding)" if low >= -HOLD_RATE and high <= HOLD_RATE else ""
 
 
 def _when(coordinate: str, low: float, high: float, doing: str) -> str:
@@ -49,7 +57,17 @@ def _when(coordinate: str, low: float, high: float, doing: str) -> str:
         return f"{span(low, high, 's')} into a hold"
     if coordinate == "cycle":
         return f"in cycles {low:.0f} to {high:.0f}"
-    return f"between {span(low, high, '°C')}".replace(" to ", " and ", 1)
+    return f"between {span(low, high, '°C', between='and')}"
+
+
+def percent_left(gain: float) -> float:
+    """What is left of an RMS error, in %, where the logarithm of the squared error falls by `gain`."""
+    return 100 * math.exp(-0.5 * gain)
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names with commas, and an ``and`` before the last."""
+    return ", ".join(names[:-1]) + (" and " if len(names) > 1 else "") + names[-1] if names else ""
 
 
 def percent(share: float) -> str:

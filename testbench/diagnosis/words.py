@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-
 from testbench.comparing.ladder import step_before
 from testbench.comparing.tables import ladder_table
-from testbench.comparing.words import percent, spoken
+from testbench.comparing.words import listed, percent, percent_left, spoken
 from testbench.diagnosis.judging.probabilities import NOTHING, UNKNOWN
 from testbench.diagnosis.judging.rounds import LEFT_AT_MOST
 from testbench.diagnosis.result import Diagnosis, Ranked
@@ -107,11 +104,6 @@ def _changed(diagnosis: Diagnosis) -> list[str]:
     return [c for c in now if now[c] < WORTH_SAYING * before[c]] or list(now)
 
 
-def listed(names: Sequence[str]) -> str:
-    """Names with commas, and an ``and`` before the last."""
-    return ", ".join(names[:-1]) + (" and " if len(names) > 1 else "") + names[-1] if names else ""
-
-
 def _found(diagnosis: Diagnosis) -> str:
     words = [f"{spoken(one.effect)} ({percent(one.probability)})" for one in diagnosis.found]
     first = diagnosis.found[0].effect
@@ -137,5 +129,5 @@ def _error_left(entry: Ranked) -> str:
     """Share of the base's error on samples that no fit has seen; a dash where the mechanism was not refitted."""
     if entry.held_out_gain is None:
         return "-"
-    value, high, low = (100 * math.exp(-0.5 * gain) for gain in entry.held_out_gain)
+    value, high, low = map(percent_left, entry.held_out_gain)
     return f"{value:.0f} % ({low:.0f} to {high:.0f})"

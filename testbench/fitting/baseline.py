@@ -87,7 +87,7 @@ def with_zeros(model: KnitModel, measurement: Measurement, catalogue: Catalogue 
 
 def without_zeros(model: KnitModel) -> KnitModel:
     """The model of the sensor alone, whatever recording it is compared with."""
-    return without_shapes(model, ZEROS)
+    return without_laws(model, ZEROS)
 
 
 def laws_that_may_act(model: KnitModel, measurement: Measurement, catalogue: Catalogue | None = None) -> list[Effect]:
@@ -138,8 +138,13 @@ def framed(effect: Effect, model: KnitModel, measurement: Measurement) -> Effect
     return effect.near(**{key: frame[key] for key in fields if key in frame})
 
 
-def without_shapes(model: KnitModel, names: Iterable[str] = SHAPES) -> KnitModel:
-    """The model with its base laws unbent: without those of the shapes `names` that it has."""
+def without_shapes(model: KnitModel) -> KnitModel:
+    """The model with its base laws unbent."""
+    return without_laws(model, SHAPES)
+
+
+def without_laws(model: KnitModel, names: Iterable[str]) -> KnitModel:
+    """The model without those of the laws `names` that it has."""
     for name in names:
         model = model.without(name) if name in model else model
     return model

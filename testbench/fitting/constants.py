@@ -16,12 +16,12 @@ MOST_LEFT = 100.0  # least misfits that a model leaves at most, if something els
 PRIOR_NOTHING = 0.5  # before seeing data, that nothing is missing
 PRIOR_UNKNOWN = 0.25  # before seeing data, that what is missing, if anything is, is in no catalogue
 EVIDENCE_ERROR = 2.0  # nats, standard deviation: of an integral by its peak, and of where a fit ends
-MISLED = 0.15  # of sensors that nobody here simulated: evidence that seemed sure spoke for the wrong mechanism
+MISLED = 0.15  # share of sensors, of kinds not simulated here, for which evidence that seemed sure was wrong
 
 # What is spent
 GRID_HZ = 12.5  # grid of the comparison: quicker than the motion, slower than most samplings
 GRID_POINTS = 15_000  # at most on that grid: coarser for recordings of more than 20 min, whose turns it keeps
-FINER = 4  # times as many for the last fits of the models that were chosen
+FINER = 4  # times as many grid points for the last fits of the models that were chosen
 SAMPLES = 2_400  # samples of one channel that enter the normal equations; longer recordings are thinned
 BASES = 2  # sets of base laws whose shapes are fitted
 BENDING = 4  # mechanisms refitted in a round of those that show beside bases that bend

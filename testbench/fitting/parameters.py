@@ -34,8 +34,8 @@ class FreeParameter:
         ``effect.parameter`` or ``effect.parameter[index]``.
     low, high : float
         Physical bounds. The fit's own coordinate is the logarithm where `log`.
-    centre, width : float
-        Weak Gaussian prior in the fit's coordinate; `width` is wide enough to yield to any real evidence.
+    width : float
+        Standard deviation of a weak prior in the fit's coordinate, wide enough to yield to any real evidence.
     log : bool
     unit : str
     """
@@ -43,7 +43,6 @@ class FreeParameter:
     address: str
     low: float
     high: float
-    centre: float
     width: float
     log: bool
     unit: str
@@ -151,12 +150,12 @@ def _entries(address: str, value: Any, extra: Mapping[str, Any], scales: Mapping
     unit, low, high = str(extra["unit"]), float(extra["low"]), float(extra["high"])
     if isinstance(value, tuple):
         width = scales.get(unit, 1.0)
-        return [FreeParameter(f"{address}[{i}]", low, high, 0.0, width, False, unit) for i in range(len(value))]
+        return [FreeParameter(f"{address}[{i}]", low, high, width, False, unit) for i in range(len(value))]
     if extra["scale"] == "log":
         width = max(float(np.log(high / low)) / 4, 1.0)
-        return [FreeParameter(address, low, high, float(np.log(value)), width, True, unit)]
+        return [FreeParameter(address, low, high, width, True, unit)]
     width = min(high - low, 10 * max(abs(value), scales.get(unit, 1.0)))
-    return [FreeParameter(address, low, high, float(value), width, False, unit)]
+    return [FreeParameter(address, low, high, width, False, unit)]
 
 
 def value_of(model: KnitModel, parameter: FreeParameter) -> float:

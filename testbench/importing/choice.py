@@ -252,7 +252,7 @@ def _role(column: Column) -> tuple[str, int]:
             role = next((role for role, quantities in ROLES.items() if quantities == (unit.quantity,)), "")
             return (role if unit.quantity != "ratio" else ""), SYMBOL
     if len(roles) != 1 or (column.heading.base in ("s", "T") and unit is None):
-        return "", 0  # s: a way or seconds, T: a temperature or a time; the letter alone does not say
+        return "", 0  # s: a displacement or seconds, T: a temperature or a time; the letter alone does not say
     role, strength = next(iter(roles.items()))
     # A unit that does not suit the name (a force in mV) gives way to any column with one that does.
     return role, strength if unit or not column.unit_text else strength - MISFIT

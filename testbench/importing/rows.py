@@ -13,7 +13,7 @@ from testbench.importing.wish import Wish
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME
 from testbench.recordings.checks import such, within
 
-ELECTRICAL = frozenset(("resistance", "conductance"))  # negative where the sense leads are the other way round
+REVERSIBLE = frozenset(("resistance", "conductance"))  # negative where the sense leads are the other way round
 FAR = 10  # steps that the time falls back where another recording begins, and rows that then follow
 MOSTLY = 0.5  # of the rows negative: the resistance has the wrong sign, and no bad rows
 
@@ -29,7 +29,7 @@ def channels_of(scaled: Mapping[str, np.ndarray], wish: Wish) -> dict[str, np.nd
         channels[FORCE] = scaled["force"]
     resistance = _resistance(scaled, wish.r0_ohm or np.nan)
     if resistance is not None:
-        channels[RESISTANCE] = -resistance if wish.negate & ELECTRICAL else resistance
+        channels[RESISTANCE] = -resistance if wish.negate & REVERSIBLE else resistance
     if "temperature" in scaled:
         channels[TEMPERATURE] = scaled["temperature"]
     return channels
@@ -85,11 +85,11 @@ def usable(
         if not fine.all() and not wish.drop_bad:
             first = int(np.flatnonzero(~fine)[0])
             want = "positive and finite" if name == RESISTANCE else "a finite number"
-            remedy, turned = "--drop-bad leaves them out", sorted(ELECTRICAL.intersection(roles))
+            remedy, turned = "--drop-bad leaves them out", sorted(REVERSIBLE.intersection(roles))
             if name == TEMPERATURE:
                 remedy = "--temperature none leaves the temperature out, --drop-bad those rows"
             if name == RESISTANCE and turned and (values < 0).mean() > MOSTLY:
-                flag, given = f"--negate {turned[0]}", wish.negate & ELECTRICAL
+                flag, given = f"--negate {turned[0]}", wish.negate & REVERSIBLE
                 remedy = f"leave {flag} out" if given else f"if its leads were the other way round, add {flag}"
             raise UserError(
                 f"{path}: row {rows[first]}: {name} must be {want}, got {values[first]:g} "

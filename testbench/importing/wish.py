@@ -23,7 +23,7 @@ class Wish:
     columns : mapping of str to str
         By role (of `vocabulary.roles.ROLES`): the column's name, or its number from 1; ``none``: not there.
     units : mapping of str to str
-        By role, in place of what the file says; ``date`` for a time of dates.
+        By role, in place of what the file says; ``date``: the time column holds dates.
     rate_hz : float, optional
         Sampling rate of a file without a time column.
     time_of : mapping of str to str

@@ -42,11 +42,6 @@ class Belief:
     likely: tuple[Likely, ...]
     reading: Reading
 
-    @property
-    def top(self) -> tuple[str, float]:
-        """The most probable hypothesis and its probability."""
-        return max(self.probabilities.items(), key=lambda one: one[1])
-
 
 def belief_after(
     measurement: Measurement,

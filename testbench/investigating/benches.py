@@ -21,7 +21,7 @@ from testbench.recordings.instruments import Instruments
 from testbench.recordings.manifest import read_manifest
 from testbench.rig.acquisition.recorder import Limits, Status
 from testbench.rig.connection.links import paced
-from testbench.rig.connection.serial_port import SerialLink
+from testbench.rig.connection.serial_port import BAUD, GIVE_UP_S, SerialLink
 from testbench.rig.simulation.played import played
 from testbench.rig.simulation.pty_port import PtyPort, serve
 
@@ -157,10 +157,10 @@ class PortBench:
     """
 
     port: str
-    baud: int = 115200
+    baud: int = BAUD
     limits: Limits = field(default_factory=Limits)
     specimen: str = ""
-    give_up_s: float = 60.0
+    give_up_s: float = GIVE_UP_S
     keeps_time: bool = True
 
     def run(self, order: Order, report: Report, stopped: Callable[[], bool] = lambda: False) -> None:

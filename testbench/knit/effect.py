@@ -20,7 +20,7 @@ READOUT     what the instruments make of it                                ``for
 =========== ============================================================== =========================
 
 Always there to be read: ``time_s`` and ``strain_nominal`` (displacement / gauge length). ``temperature_C`` is there
-only where it was measured, ``clamping`` (how often the knit was clamped anew) only where it was: they belong into
+only where it was measured, ``clamping`` (how often the knit was clamped anew) only where it was: they belong in
 `optional_reads`.
 """
 

@@ -8,9 +8,10 @@ import numpy as np
 
 from testbench.knit.effect import FloatArray, Signals, Stage
 from testbench.knit.model import KnitModel
+from testbench.knit.rules import READABLE
 from testbench.measurements.measurement import Measurement, channel_of
 from testbench.measurements.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, SIGNAL_OF
-from testbench.proposing.laws.places import PLACES, READABLE, Place
+from testbench.proposing.laws.places import PLACES, Place
 
 STEP = 1e-3  # of the range of a signal, to find how the channels follow it
 
@@ -32,7 +33,7 @@ class OpenChain:
     def readable(self, place: Place) -> dict[str, FloatArray]:
         """Signals that a law at this place can read, as they are at the end of its stage."""
         state = self.after[place.stage]
-        names = READABLE[place.stage] | {"temperature_C"}
+        names = READABLE[place.stage] - {"strain_nominal"} | {"temperature_C"}
         return {name: values for name, values in state.items() if name in names}
 
     @cached_property

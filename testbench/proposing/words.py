@@ -17,6 +17,7 @@ from testbench.measurements.responses import UNIT_OF
 from testbench.proposing.laws.formulas import in_words, latex_of, plain
 from testbench.proposing.laws.law import Law
 from testbench.proposing.laws_found import Option, Proposed, Step, numbered
+from testbench.proposing.trial import TIED_NATS
 from testbench.proposing.writing import effect_class, strength_key
 
 SHOWN = 4
@@ -65,7 +66,9 @@ def _law(proposed: Proposed, step: Step, index: int) -> Iterator[str]:
         f"recordings and is the best in {percent(option.chosen)}"
     )
     for place, other in enumerate(step.alternatives[:SHOWN]):
-        tied = "cannot be told from it" if abs(other.log_evidence - option.log_evidence) < 3.0 else "less likely"
+        tied = (
+            "cannot be told from it" if abs(other.log_evidence - option.log_evidence) < TIED_NATS else "less likely"
+        )
         if place == 0:
             yield "    instead of it:"
         yield f"      {other.log_evidence:+8.1f} nats  {tied}: {in_words(other.law)}"

@@ -63,7 +63,7 @@ def figure(data: list[dict[str, Any]], *, height: int, **layout: Any) -> Figure:
     return {"data": data, "layout": {**base, **layout}}
 
 
-def stacked_axes(titles: list[str], x_title: str, **x_more: Any) -> dict[str, Any]:
+def stacked_axes(titles: list[str], x_title: str) -> dict[str, Any]:
     """Axes of rows that share one horizontal axis, top row first: zooming in one zooms all.
 
     Returns
@@ -75,7 +75,7 @@ def stacked_axes(titles: list[str], x_title: str, **x_more: Any) -> dict[str, An
         axis_key("yaxis", row): axis(title, domain=domain, anchor="x")
         for row, (title, domain) in enumerate(zip(titles, rows(len(titles), 0.05), strict=True))
     }
-    axes["xaxis"] = axis(x_title, anchor=y_ref(len(titles) - 1), **x_more)
+    axes["xaxis"] = axis(x_title, anchor=y_ref(len(titles) - 1))
     return axes
 
 

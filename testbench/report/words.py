@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from testbench.comparing.numbers import plain
-from testbench.comparing.words import MANY, percent, spoken
+from testbench.comparing.words import MANY, listed, percent, percent_left, spoken
 from testbench.measurements.responses import UNIT_OF
 
 PANEL_UNITS = {**UNIT_OF, "resistance": "kΩ"}  # of an axis or a table, by what it shows
@@ -83,7 +83,7 @@ def error_left(entry: Mapping[str, Any]) -> str:
     The one number of an effect, as `testbench diagnose` prints it; empty where it was not worth a refit.
     """
     gains = entry.get("held_out_gain")
-    return f"{100 * math.exp(-0.5 * gains[0]):.0f} %" if gains else ""
+    return f"{percent_left(gains[0]):.0f} %" if gains else ""
 
 
 def error_left_between(entry: Mapping[str, Any]) -> str:
@@ -91,7 +91,7 @@ def error_left_between(entry: Mapping[str, Any]) -> str:
     gains = entry.get("held_out_gain")
     if not gains:
         return ""
-    high, low = (100 * math.exp(-0.5 * gain) for gain in gains[1:3])
+    high, low = map(percent_left, gains[1:3])
     return f"{low:.0f} to {high:.0f} %"
 
 
@@ -120,14 +120,13 @@ def base_in_words(diagnosis: Mapping[str, Any]) -> str:
     names = [spoken(name.removesuffix("_shape")) for name in diagnosis.get("base_misfits", [])]
     laws = [spoken(law) for law in diagnosis.get("other_laws", [])]
     one = "law {} suits" if len(laws) == 1 else "laws {} suit"
-    better = f"The {one.format(' and '.join(laws))} this sensor better." if laws else ""
+    better = f"The {one.format(listed(laws))} this sensor better." if laws else ""
     if not names:
         return better
     if len(names) == 1:
         misfit = f"The base law itself misfits: the shape of its {names[0]} is not quite this sensor's."
     else:
-        listed = f"{', '.join(names[:-1])} and {names[-1]}"
-        misfit = f"The base laws themselves misfit: the shapes of {listed} are not quite this sensor's."
+        misfit = f"The base laws themselves misfit: the shapes of {listed(names)} are not quite this sensor's."
     return f"{misfit} {better}".strip()
 
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from gcode.mach4.controller import play
-from gcode.mach4.writer import read_program, write_program
+from gcode.mach4.reader import read_program
+from gcode.mach4.writer import write_program
 from gcode.programs.make import make, make_again
 from gcode.trajectories.planning import plan
 from gcode.trajectories.presets import PRESETS, preset

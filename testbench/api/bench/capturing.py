@@ -20,11 +20,9 @@ from testbench.rig.acquisition.recorder import Limits, Report, Status
 from testbench.rig.acquisition.status_words import as_dict, as_text
 from testbench.rig.acquisition.stopping import stop_signals
 from testbench.rig.connection.ports import stated_port
-from testbench.rig.connection.serial_port import SerialLink
+from testbench.rig.connection.serial_port import BAUD, GIVE_UP_S, SerialLink
 from testbench.rig.simulation.played import played
 
-BAUD = 115200
-GIVE_UP_S = 60.0
 Stopped = Callable[[], bool]
 
 

@@ -28,6 +28,7 @@ from testbench.comparing.words import percent
 from testbench.diagnosis.diagnosis import REST_S
 from testbench.diagnosis.result import Diagnosis
 from testbench.diagnosis.words import diagnosis_table, first_line
+from testbench.fitting.constants import ROUNDS
 from testbench.investigating.words import spoken
 from testbench.measurements.preparing import MAX_GRID_HZ
 from testbench.measurements.splitting import MIN_PART
@@ -42,7 +43,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 SHOWN = 8
-MOST = 4  # effects that are looked for, one after the other
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -151,7 +151,7 @@ def diagnose(
     *,
     model: AnyModel | None = None,
     effects: Effects = None,
-    most: int = MOST,
+    most: int = ROUNDS,
     gauge_length_mm: float | None = None,
     clamp_play_mm: float = 0.0,
     rest_s: float = REST_S,

@@ -13,7 +13,7 @@ from gcode.support.figures import panels, picture
 from gcode.support.html import card, frame_table
 from testbench.api.arguments import AnyModel, Effects, catalogue_of, model_file_of
 from testbench.comparing.model_errors import channel_name
-from testbench.comparing.tables import ladder_table
+from testbench.comparing.tables import ladder_rows, ladder_table
 from testbench.measurements.responses import UNIT_OF
 from testbench.report import style
 from testbench.report.figures.ladder_figures import NAMED, step_names
@@ -58,15 +58,9 @@ class Ladder:
         """A row a step and channel: ``step``, ``channel``, ``unit``, three errors and ``fall`` (a share)."""
         import pandas as pd
 
-        first: dict[str, float] = {}
-        rows = []
-        for step in self.file.history:
-            for channel, held in step["errors"]["held_out"].items():
-                top = first.setdefault(channel, held)
-                row = {"step": step["step"], "channel": channel_name(channel), "unit": UNIT_OF[channel]}
-                row |= {"calibration": step["errors"]["calibration"][channel], "held_out": held}
-                rows.append(row | {"noise_floor": step["noise_floor"][channel], "fall": 1 - held / top})
-        return pd.DataFrame(rows)
+        frame = pd.DataFrame(ladder_rows(self.file.history))
+        frame.insert(2, "unit", frame["channel"].map(UNIT_OF))
+        return frame.assign(channel=frame["channel"].map(channel_name))
 
     def plot(self, axes: Axes | Sequence[Axes] | None = None) -> Any:
         """Draw the held-out error after each step over the noise floor, one panel a channel.

@@ -66,7 +66,7 @@ class SideBySide:
 
 
 def _take(fn: Callable[..., Any], calls: list[tuple[Any, ...]], parent: int) -> None:
-    """Begin a forked process, which ends with its parent, however that ends: it would wait for ever.
+    """Begin a forked process, which is ended when its parent dies, however that happens: else it would wait for ever.
 
     An interruption from the keyboard goes to the parent alone.
     """

@@ -51,7 +51,10 @@ def _from_point_to_point(left: FloatArray, channel: str, grid: Measurement) -> f
 
 
 def _variance(left: FloatArray, values: FloatArray, counting: np.ndarray, apart: int) -> float:
-    """Of what a model leaves, over points so far apart, but for what its laws err by and a hum, which is foretold."""
+    """Variance of the residual's differences over points this far apart.
+
+    What the laws usually err by is taken off, and so is a hum: it can be predicted and is no noise.
+    """
     inside = counting[3 * apart : -3 * apart]
     rough, of_motion = (sixth_differences(x, apart)[inside] for x in (left, values - left))
     noise = min(robust_sd(rough), robust_sd(without_lines(rough)))

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.special import log_ndtr
 
-from testbench.fitting.baseline import SHAPES, without_shapes
+from testbench.fitting.baseline import SHAPES, without_laws
 from testbench.fitting.downhill import huber
 from testbench.fitting.evidence.evidence import LogEvidence, NormalEquations, maximised
 from testbench.fitting.evidence.likelihood import Likelihood
@@ -137,7 +137,7 @@ class Hypothesis:
     @property
     def model_in_use(self) -> KnitModel:
         """Without the shapes that the evidence has switched off."""
-        return without_shapes(self.model, [name for name in self.model if name in SHAPES and self.idle(name)])
+        return without_laws(self.model, [name for name in self.model if name in SHAPES and self.idle(name)])
 
     def idle(self, name: str) -> bool:
         """Whether the evidence has switched a shape off: no weight of it is determined, none changes anything."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -17,6 +17,7 @@ from testbench.fitting.evidence.hypothesis import Hypothesis, laws_still, pinned
 from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.fitting.evidence.moved import costs_along, lower_beside, width, with_widths
 from testbench.fitting.evidence.priors import priors_of
+from testbench.fitting.evidence.products import ProductsOfShapes, gram
 from testbench.fitting.parameters import HELD
 from testbench.fitting.sensitivity import derivatives
 from testbench.knit.cache import SimulationCache
@@ -48,18 +49,26 @@ def fitted(
     ----------
     model : KnitModel
         Where the search starts.
+    likelihood : Likelihood
     reference : KnitModel
         Base laws are believed to have parameters near those here.
     like : Hypothesis, optional
         A fitted neighbour, from which scales, and sensitivities of what both have, are taken at first.
-    believed : mapping of address to (mean, standard deviation), optional
-        Priors of some parameters, other than those declared.
+    iterations : int
+        At most; 0 keeps the point and finds the scales.
     quick : bool
         Keep the sensitivities of the shapes' weights as they are there: nearly right, and ten times cheaper.
+    believed : mapping of address to (mean, standard deviation), optional
+        Priors of some parameters, other than those declared.
     free : callable
         Whether to fit the parameter of this address.
     progress : callable, optional
         Called with a short text after each iteration.
+
+    Returns
+    -------
+    Hypothesis
+        The model where the search came to rest, with its log evidence.
     """
     with threadpool_limits(1, "blas"):  # matrices are small: threads wait for each other longer than they work
         problem = _PosteriorFit(model, likelihood, reference, like, quick, believed or {}, free)
@@ -210,7 +219,8 @@ class _PosteriorFit:
         self.scale, self.sigma = before
         return False
 
-    def move(self, normal: NormalEquations, damping: float):
+    def move(self, normal: NormalEquations, damping: float) -> tuple[float | None, float]:
+        """One step; what it gains (None: no step gains anything), and the damping of the next."""
         cost = self.cost_here()
         found = downhill(partial(self.step, normal), lambda step: self.cost_at(self.x + step), cost, damping)
         if found is None:
@@ -242,15 +252,15 @@ class _PosteriorFit:
         left = self.likelihood.measurement.residual(model, self.cache)
         return {c: self.likelihood.picked(values, c) for c, values in left.items()}
 
-    def linearise(self, which) -> None:
+    def linearise(self, which: Iterable[int]) -> None:
         """Residual and these sensitivities at the present point."""
-        measurement, which = self.likelihood.measurement, list(which)
+        measurement, these = self.likelihood.measurement, list(which)
         for c, values in self.residual(self.model).items():
             self.columns[c][0] = values
-        for indices, rows in derivatives(self.model, self.parameters, which, measurement, self.cache):
+        for indices, rows in derivatives(self.model, self.parameters, these, measurement, self.cache):
             for c, values in rows.items():
                 self.columns[c][np.array(indices) + 1] = self.likelihood.picked(values, c)
-        self.refresh(which)
+        self.refresh(these)
 
     def refresh(self, which: Sequence[int]) -> None:
         """Bring the rows along the directions up to date; new sensitivities of a shape may open new directions."""
@@ -271,7 +281,7 @@ class _PosteriorFit:
             self.directions = Directions.seen(self.columns, information, self.priors, narrow)
             self.rows = {c: self.directions.rows(rows) for c, rows in self.columns.items()}
             own = 1 + int(np.sum(self.directions.group < 0))
-            self.products = {c: _ProductsOfShapes(rows[own:]) for c, rows in self.rows.items()}
+            self.products = {c: ProductsOfShapes(rows[own:]) for c, rows in self.rows.items()}
             self.stale = False
         robust = self.robust(self.rows)
         products = {c: self.products[c].beside(rows, robust[c]) for c, rows in self.rows.items()}
@@ -291,10 +301,12 @@ class _PosteriorFit:
 
     def all_normal(self, robust: Mapping[str, FloatArray]) -> NormalEquations:
         """The normal equations of all parameters, whatever directions the data see."""
-        products = {c: _gram(rows, robust[c]) for c, rows in self.columns.items()}
+        products = {c: gram(rows, robust[c]) for c, rows in self.columns.items()}
         return self.equations(products, *self.believed(self.held), self.priors.group)
 
-    def equations(self, products: Mapping[str, FloatArray], mean, precision, group) -> NormalEquations:
+    def equations(
+        self, products: Mapping[str, FloatArray], mean: FloatArray, precision: FloatArray, group: np.ndarray
+    ) -> NormalEquations:
         likelihood = self.likelihood
         counts, typical = (likelihood.count, likelihood.share, likelihood.least), self.priors.typical
         return NormalEquations(products, *counts, mean, precision, group, typical)
@@ -330,39 +342,3 @@ class _PosteriorFit:
     def tails(self, robust: Mapping[str, FloatArray], sigma: Mapping[str, float]) -> float:
         share = self.likelihood.share
         return sum(tail(rows[0] / sigma[c], robust[c], share) for c, rows in self.columns.items())
-
-
-def _gram(rows: FloatArray, root_weight: FloatArray) -> FloatArray:
-    """Weighted inner products; a channel does not answer to many of the parameters at all."""
-    answers = np.flatnonzero(rows.any(axis=1))
-    weighted = rows[answers] * root_weight
-    gram = np.zeros((len(rows), len(rows)))
-    gram[np.ix_(answers, answers)] = weighted @ weighted.T
-    return gram
-
-
-class _ProductsOfShapes:
-    """Inner products of the directions of the shapes, made once; outliers count less in them from then on.
-
-    Parameters
-    ----------
-    rows : ndarray, shape (q, k)
-        Along the directions.
-    """
-
-    def __init__(self, rows: FloatArray) -> None:
-        self.count, self.answers = len(rows), np.flatnonzero(rows.any(axis=1))
-        self.rows = rows[self.answers]
-        self.unweighted = self.rows @ self.rows.T
-
-    def beside(self, rows: FloatArray, root_weight: FloatArray) -> FloatArray:
-        """Weighted inner products of all rows, of which the last are those of the shapes; shape (p + q, p + q)."""
-        own, gram = len(rows) - self.count, np.zeros((len(rows), len(rows)))
-        place, weighted = own + self.answers, rows[:own] * root_weight**2
-        gram[:own, :own] = weighted @ rows[:own].T
-        gram[:own, place] = weighted @ self.rows.T
-        gram[place, :own] = gram[:own, place].T
-        outliers = np.flatnonzero(root_weight < 1)
-        less = self.rows[:, outliers] * np.sqrt(1 - root_weight[outliers] ** 2)
-        gram[np.ix_(place, place)] = self.unweighted - less @ less.T
-        return gram

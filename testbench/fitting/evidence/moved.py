@@ -12,7 +12,7 @@ from testbench.knit.effect import FloatArray
 
 Cost = Callable[[FloatArray], float]
 STEPS = 1e-4 * 4.0 ** np.arange(8)  # in the fit's coordinate: from far below a sample of the grid to a factor of five
-LEAST = 1e-9  # where the model is not finite beside, and the cost without bounds
+LEAST = 1e-9  # width where the model is not finite at the nearest point, so that no cost is known there
 WORSE = 0.5  # nats by which the cost rises one standard deviation away from its least
 
 

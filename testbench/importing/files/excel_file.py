@@ -80,10 +80,9 @@ def open_excel(path: Path, wanted: Sequence[str], hints: Hints) -> ExcelSheet:
         raise UserError(f"{path}: no rows of numbers in {_sheets(sheets)}; see --header-row")
     if len(found) > 1:
         raise UserError(f"{path}: {_sheets(found)} have tables; say which one with --sheet NAME")
-    name, (_, layout, rows) = next(iter(found.items()))
+    name, (head, layout, rows) = next(iter(found.items()))
     body = rows[layout.first_row - 1 :]
     layout = replace(layout, columns=tuple(_as_meant(column, body) for column in layout.columns))
-    head = [[_shown(cell) for cell in row] for row in rows[:HEAD_ROWS]]
     lines = ["\t".join(cells) for cells in head]
     decimal = hints.decimal_said or _decimal(path, body[:HEAD_ROWS])
     return ExcelSheet(path, head, lines, layout, decimal, {"sheet": name, "decimal": decimal}, rows)

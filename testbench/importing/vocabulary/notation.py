@@ -75,7 +75,7 @@ def decimal_sign(cells: Iterable[str]) -> str | None:
     """
     proofs, open_to_doubt = set(), False
     for cell in map(_with_hyphen, cells):
-        if ("," in cell) == ("." in cell) and not ("," in cell and "." in cell):
+        if "," not in cell and "." not in cell:
             continue
         if _EITHER.match(cell):
             open_to_doubt = True
@@ -132,7 +132,9 @@ def numbers(cells: pd.Series, decimal: str, thousands: str | None = None) -> tup
 
 
 def seconds(cells: pd.Series) -> tuple[np.ndarray, int | None]:
-    """Dates and times as seconds since the first one, and the place of the first cell that is none.
+    """Dates and times in seconds, and the place of the first cell that is none.
+
+    Dates count from the earliest one, times of day from midnight, and durations from zero.
 
     ``01.03.2026`` is the first of March (points part day, month and year); of ``01/03/2026`` and ``01-03-2026``
     nobody can tell: where such dates differ within a file they are refused, as if they were no dates.

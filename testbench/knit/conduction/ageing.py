@@ -24,7 +24,7 @@ class ContactAgeing(SpotsLaw):
     name = "contact_ageing"
     look = "conductance falls at each turn of the motion and creeps up until the next, fast at first"
 
-    gain: float = parameter(0.05, unit="1", low=-2, high=2, doc="change of ln G by e-fold of the time")
+    gain: float = parameter(0.05, unit="1", low=-2, high=2, doc="change of ln G per e-fold of time")
     tau_s: float = parameter(1.0, unit="s", low=0.05, high=100, scale="log", doc="when the growth sets in")
     back: float = parameter(0.01, unit="1", low=5e-4, high=0.2, scale="log", doc="strain that makes a turn")
 

@@ -1,4 +1,5 @@
-"""Networks of contacts that motion breaks and rest heals: the conductance shifts with the way, and comes back."""
+"""Networks of contacts that motion breaks and rest heals: the conductance shifts with the distance moved, and
+comes back."""
 
 from __future__ import annotations
 
@@ -12,7 +13,7 @@ HEALING_S = (0.3, 1.0, 3.0, 10.0, 30.0, 100.0)
 
 
 def shaken(speed: FloatArray, tau_s: float, dt_s: float) -> FloatArray:
-    """What is left of the way travelled where it heals within `tau_s`: y' = speed - y / tau, shape (n,)."""
+    """What is left of the distance travelled where it heals within `tau_s`: y' = speed - y / tau, shape (n,)."""
     return tau_s * lowpass(speed, tau_s, dt_s)
 
 
@@ -76,7 +77,7 @@ class ElectricalOvershootTwoWaysProny(OvershootLaw):
     look = "conductance shifts while it moves, by more in one direction, and comes back over whatever times"
 
     weights: tuple[float, ...] = parameter(
-        (0.0,) * (2 * len(HEALING_S)), unit="1", low=-5, high=5, doc="change of ln G by a sudden way of `span`"
+        (0.0,) * (2 * len(HEALING_S)), unit="1", low=-5, high=5, doc="change of ln G by a sudden strain of `span`"
     )
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain by which it is counted")
 

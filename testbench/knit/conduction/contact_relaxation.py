@@ -220,7 +220,7 @@ class ContactCreep(ContactRelaxationLaw):
 class ElectricalOvershootForce(SpotsLaw):
     """The conductance overshoots with sudden changes of the contact force.
 
-    ln G += gain * (P - y) / 1 N,   tau y' = P - y
+    ln G += gain_per_N * (P - y),   tau y' = P - y
 
     Source: as `electrical_overshoot`, driven by the pressing force.
     Valid: small overshoot.

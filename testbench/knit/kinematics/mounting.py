@@ -13,7 +13,7 @@ MOST_TIME_S = 1e9
 class Zeros(AdditiveLaw):
     """Base of the two: by how much each recording but the first, of several in a row, is shifted.
 
-    The parameter is called as the signal that it shifts.
+    The parameter has the name of the signal that it shifts.
     """
 
     in_base = True

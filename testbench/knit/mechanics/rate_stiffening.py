@@ -11,7 +11,7 @@ from testbench.knit.filters import highpass, rate
 from testbench.knit.shapes.curves import LAW_TERMS, curve
 
 REFERENCE_RATE_PER_S = 0.1
-PLATEAU = "rate below which the viscosity no longer grows"
+RATE0_DOC = "rate below which the viscosity no longer grows"
 
 
 def _power_of_rate(strain: FloatArray, dt_s: float, exponent: float, rate0_per_s: float) -> FloatArray:
@@ -51,7 +51,7 @@ class ViscousRateStiffening(RateLaw):
 
     force_at_rate_N: float = parameter(0.2, unit="N", low=0, high=100, doc="viscous force at 10 % strain per second")
     exponent: float = parameter(1.0, unit="1", low=0.2, high=1.5, doc="1: linear dashpot; smaller: shear thinning")
-    rate0_per_s: float = parameter(1e-4, unit="1/s", low=1e-5, high=0.1, scale="log", doc=PLATEAU)
+    rate0_per_s: float = parameter(1e-4, unit="1/s", low=1e-5, high=0.1, scale="log", doc=RATE0_DOC)
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return _powers_of_rate(0.3, 0.6, 1.0, 1.3)
@@ -130,8 +130,8 @@ class ViscousRateStiffeningLog(RateLaw):
     rate0_per_s: float = parameter(0.01, unit="1/s", low=1e-5, high=1, scale="log", doc="rate where it sets in")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        decades = np.log1p(np.abs(rate(signals["strain"], dt_s)) / self.rate0_per_s)
-        return {"force_N": signals["force_N"] * (1 + self.gain * decades)}
+        efolds = np.log1p(np.abs(rate(signals["strain"], dt_s)) / self.rate0_per_s)
+        return {"force_N": signals["force_N"] * (1 + self.gain * efolds)}
 
 
 class ViscousRateStiffeningPower(RateLaw):
@@ -149,7 +149,7 @@ class ViscousRateStiffeningPower(RateLaw):
 
     gain: float = parameter(0.1, unit="1", low=0, high=3, doc="relative force added at a strain rate of 0.1 / s")
     exponent: float = parameter(0.4, unit="1", low=0.1, high=1.5, scale="log", doc="power of the rate")
-    rate0_per_s: float = parameter(1e-4, unit="1/s", low=1e-5, high=0.1, scale="log", doc=PLATEAU)
+    rate0_per_s: float = parameter(1e-4, unit="1/s", low=1e-5, high=0.1, scale="log", doc=RATE0_DOC)
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return _powers_of_rate(0.15, 0.35, 0.7, 1.1)

@@ -29,7 +29,7 @@ SIGNAL_ONLY = {  # memories that make sense of some coordinates alone
 }
 NO_MEMORY = {"time", "direction", "turns", "path", "work"}  # what only grows has all of its past already
 ONLY_GROWS = NO_MEMORY - {"direction"} | {"largest strain"}
-EVENTS = {"bell", "bell at", "switch", "wave"}  # there something that happens once, and foretells nothing
+EVENTS = {"bell", "bell at", "switch", "wave"}  # over what only grows they happen once, and predict nothing
 ALLOWED = {Stage.READOUT: INSTRUMENT, Stage.KINEMATICS: OF_STRAIN, Stage.PRESSURE: OF_CONTACTS}
 
 

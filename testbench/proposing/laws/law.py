@@ -75,11 +75,6 @@ class Term:
         found = [*self.coordinate.reads, *(name for one in self.operators for name in one.reads)]
         return tuple(dict.fromkeys(found))
 
-    @property
-    def inner(self) -> Term:
-        """What the last operator acts on."""
-        return Term(self.coordinate, self.operators[:-1], self.span, self.sizes[:-1])
-
     def without(self, at: int) -> Term:
         """The term without its operator number `at`."""
         sizes = self.sizes[:at] + self.sizes[at + 1 :]
@@ -213,8 +208,3 @@ class Law:
         term = self.term.without(at)
         values = {slot.key: self.values[slot.key] for slot in term.slots}
         return Law(self.place, term, values, self.strength)
-
-    @property
-    def count(self) -> int:
-        """Number of parameters, the strength among them."""
-        return 1 + len(self.term.slots)

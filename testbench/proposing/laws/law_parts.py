@@ -70,7 +70,7 @@ class Coordinate:
 class Operator:
     """One step of a term, from its input `x` to its output.
 
-    `latex` and `words` hold ``{x}`` where the input stands; `unit` maps the input's unit to the output's.
+    `latex` and `words` hold ``{x}`` where the input stands.
     """
 
     name: str
@@ -81,7 +81,7 @@ class Operator:
     slots: tuple[Slot, ...] = ()
     definitions: tuple[str, ...] = ()
     reads: tuple[str, ...] = ()
-    unit: Unit | None = None  # of the output; None: as the input
-    times: Unit = ONE  # that the input's unit is multiplied by, where `unit` is None
+    unit: Unit | None = None  # of the output; None: that of the input, times `times`
+    times: Unit = ONE
     squares: bool = False
     only_positive: bool = False

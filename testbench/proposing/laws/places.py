@@ -84,10 +84,3 @@ PLACES = {
         ),
     )
 }
-READABLE = {
-    Stage.KINEMATICS: {"time_s", "strain"},
-    Stage.MECHANICS: {"time_s", "strain", "force_N"},
-    Stage.PRESSURE: {"time_s", "strain", "force_N", "contact_force_N"},
-    Stage.ELECTRICAL: {"time_s", "strain", "force_N", "contact_force_N", "conductance_S"},
-    Stage.READOUT: {"time_s", "strain", "force_N", "contact_force_N", "conductance_S"},
-}

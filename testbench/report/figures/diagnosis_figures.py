@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from gcode.support.arrays import FloatArray
-from testbench.comparing.words import spoken
+from testbench.comparing.words import percent_left, spoken
 from testbench.recordings.recording import gaps_in
 from testbench.report import style
 from testbench.report.downsample import window
@@ -23,7 +23,7 @@ SCATTER_BINS = 24
 
 def removed_percent(gain: float) -> float:
     """Share of the held-out RMS error that a gain (ln of the ratio of squared errors) takes away, in per cent."""
-    return float(100 * (1 - np.exp(-0.5 * gain)))
+    return 100 - percent_left(gain)
 
 
 def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:

@@ -14,6 +14,8 @@ from collections.abc import Callable, Iterator
 from gcode.support.errors import UserError
 from testbench.rig.connection.parts import Chunk, End, Lost, Part, Tick
 
+BAUD = 115200
+GIVE_UP_S = 60.0  # until a port that went away is given up
 READ_TIMEOUT_S = 0.1
 FIRST_WAIT_S, LONGEST_WAIT_S = 0.05, 1.0
 
@@ -67,8 +69,8 @@ class SerialLink:
     def __init__(
         self,
         url: str,
-        baud: int = 115200,
-        give_up_s: float = 60.0,
+        baud: int = BAUD,
+        give_up_s: float = GIVE_UP_S,
         clock: Callable[[], float] = host_clock_s,
     ) -> None:
         self._url, self._baud, self._give_up_s, self._clock = url, baud, give_up_s, clock

@@ -40,8 +40,6 @@ def test_places_are_told_in_one_unit_a_quantity(coordinate: str, there: Cell, wo
 @pytest.mark.parametrize(
     ("measured_over_modelled", "words"), [(1.25, "20.0 % too low"), (0.8, "25.0 % too high"), (4.0, "75.0 % too low")]
 )
-def test_a_modelled_conductance_is_off_by_a_share_of_the_measured(
-    measured_over_modelled: float, words: str
-) -> None:
+def test_a_modelled_conductance_is_off_by_a_share_of_the_measured(measured_over_modelled: float, words: str) -> None:
     told = place_in_words("conductance", "cycle", cell(0, 1, mean=math.log(measured_over_modelled)), size=1.0)
     assert told.startswith(f"modelled conductance is {words}")

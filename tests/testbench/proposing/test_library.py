@@ -11,13 +11,13 @@ import pytest
 
 from testbench.knit.filters import lowpass
 from testbench.knit.memories import broad_memory, ever_later, gathered, last_top, seconds_near, turning, two_way_lag
-from testbench.knit.rules import applied, check, example_signals
+from testbench.knit.rules import READABLE, applied, check, example_signals
 from testbench.proposing.grids import LATE_S, MOST_SKEW, Grid
 from testbench.proposing.laws.formulas import latex_of, plain
 from testbench.proposing.laws.law import Law, Term
 from testbench.proposing.laws.law_coordinates import COORDINATES, KINETICS
 from testbench.proposing.laws.operators import OPERATORS
-from testbench.proposing.laws.places import PLACES, READABLE
+from testbench.proposing.laws.places import PLACES
 from testbench.proposing.laws.units import KELVIN, NEWTON, ONE, SECOND
 from testbench.proposing.writing import effect_class
 

@@ -108,7 +108,7 @@ def test_a_law_loses_one_piece_and_its_numbers():
     assert less.key == "conductance: force, lag"
     assert set(less.values) == {"tau_s"}
     assert less.term.evaluated(SIGNALS, less.values, DT_S) == pytest.approx(
-        law.term.inner.evaluated(SIGNALS, law.values, DT_S)
+        law_of("conductance", "force", "lag").term.evaluated(SIGNALS, law.values, DT_S)
     )
 
 
