@@ -6,8 +6,8 @@ Examples
 >>> made = gcode.generate("paper-1", seed=3, duration_s=60)
 >>> round(made.trajectory.duration_s) >= 60
 True
->>> gcode.check(made.program, made.spec.limits).problems
-[]
+>>> gcode.check(made.program, made.spec.limits).ok
+True
 """
 
 from typing import TYPE_CHECKING

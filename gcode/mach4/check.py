@@ -33,7 +33,7 @@ ACCELERATION_FACTOR = 5.0  # a controller faster than the limit shows whether th
 class CheckResult:
     """What was found: problems (none: the program may run) and the statistics of the executed motion."""
 
-    problems: list[Problem]
+    problems: tuple[Problem, ...]
     statistics: MotionStatistics | None
 
     @property
@@ -119,7 +119,7 @@ def check_program(
         found, statistics = _executed(program, motion, rate_hz, limits)
         hint = "" if machine else _other_controller(program, limits)
         problems += [Problem(one.line, one.reason + hint) for one in found]
-    return CheckResult(sorted(problems, key=lambda problem: problem.line), statistics)
+    return CheckResult(tuple(sorted(problems, key=lambda problem: problem.line)), statistics)
 
 
 def _modes(program: Program) -> list[Problem]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, get_args
+from typing import get_args
 
 from gcode.mach4.check import CheckResult
 from gcode.mach4.controller import Machine
@@ -107,7 +107,16 @@ def read(path: str | Path) -> Program:
     return load_program(path)
 
 
-def check(program: str | Path | Program | Made, limits: Limits | None = None, **options: Any) -> CheckResult:
+def check(
+    program: str | Path | Program | Made,
+    limits: Limits | None = None,
+    *,
+    rate_hz: float = 20.0,
+    machine: Machine | None = None,
+    rapid_mm_per_s: float | None = None,
+    longest_dwell_s: float | None = None,
+    as_foreign: bool = False,
+) -> CheckResult:
     """Check a program against limits, as programmed and as executed.
 
     Parameters
@@ -116,9 +125,16 @@ def check(program: str | Path | Program | Made, limits: Limits | None = None, **
         The text of a program, its file, a program that was read, or one that was generated.
     limits : Limits, optional
         Of speed, acceleration, jerk and travel; default: `gcode.Limits()`.
-    **options
-        As `gcode.programs.made_again.check_file`: ``rate_hz``, ``machine``, ``rapid_mm_per_s``, ``longest_dwell_s``;
-        for a text or a file also ``as_foreign``.
+    rate_hz : float
+        Rate of the finite differences.
+    machine : Machine, optional
+        The controller; default: five times the limit of acceleration.
+    rapid_mm_per_s : float, optional
+        Speed of G0 moves; default: unknown, so that they are refused.
+    longest_dwell_s : float, optional
+        Default: 120 s; a program of ours that was made again from its recipe may dwell as long as it likes.
+    as_foreign : bool
+        Do not hold a program of ours against the recipe in its header; of a text or a file only.
 
     Returns
     -------
@@ -139,13 +155,14 @@ def check(program: str | Path | Program | Made, limits: Limits | None = None, **
     False
     """
     allowed = Limits() if limits is None else instance("limits", limits, Limits)
+    others = {"rapid_mm_per_s": rapid_mm_per_s, "longest_dwell_s": longest_dwell_s}
     if isinstance(program, Program):
         from gcode.mach4.check import check_program
 
-        if "as_foreign" in options:
+        if as_foreign:
             raise UserError("as_foreign: is of a text or a file, whose header is then not heeded; leave it out here")
-        return check_program(program, allowed, **options)
-    return check_file(text_of(program)[0], allowed, **options)[0]
+        return check_program(program, allowed, rate_hz, machine, **others)
+    return check_file(text_of(program)[0], allowed, rate_hz, machine, **others, as_foreign=as_foreign)[0]
 
 
 def play(program: str | Path | Program | Made, rate_hz: float = 20.0, machine: Machine | None = None) -> Trajectory:

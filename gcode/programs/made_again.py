@@ -63,7 +63,7 @@ def check_file(
         program, limits, rate_hz, machine, rapid_mm_per_s=rapid_mm_per_s, longest_dwell_s=longest_dwell_s
     )
     problems = sorted([*result.problems, *origin.problems], key=lambda problem: problem.line)
-    return CheckResult(problems, result.statistics), origin
+    return CheckResult(tuple(problems), result.statistics), origin
 
 
 def provenance(text: str, program: Program) -> Provenance:

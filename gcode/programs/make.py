@@ -149,7 +149,7 @@ def make(spec: TrajectorySpec, seed: int, gauge_length_mm: float, feed_mode: Fee
 
 def _attempt(
     spec: TrajectorySpec, seed: int, gauge_length_mm: float, feed_mode: FeedMode, reserve: float
-) -> tuple[Made, list[Problem]]:
+) -> tuple[Made, tuple[Problem, ...]]:
     """Plan and write once; what the check of the program finds."""
     trajectory = plan(spec, seed, gauge_length_mm, reserve=reserve)
     planned = trajectory.statistics()

@@ -30,7 +30,11 @@ def panels(axes: Axes | Sequence[Axes] | None, count: int) -> list[Axes]:
 
         size = (WIDTH_IN, PANEL_IN * max(count, 1.4))
         return list(pyplot.subplots(count, 1, squeeze=False, figsize=size, layout="constrained")[1][:, 0])
+    from matplotlib.axes import Axes
+
     given = list(np.ravel(np.asarray(axes, dtype=object)))
+    if others := [type(one).__name__ for one in given if not isinstance(one, Axes)]:
+        raise UserError(f"plot: axes must be Axes of Matplotlib, got {others[0]}")
     if len(given) != count:
         raise UserError(f"plot: needs {count} axes, one a panel, got {len(given)}")
     return given

@@ -13,7 +13,7 @@ EXAMPLE = "testbench compare campaign-2 --model model.json --json"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("recording", metavar="RECORDING", help="a CSV, or a campaign folder")
-    parser.add_argument("--model", metavar="M", required=True, help="a model.json")
+    parser.add_argument("--model", metavar="M", required=True, help="a model.json, or a preset such as pes")
     parser.add_argument("--gauge-length-mm", type=positive, metavar="L", help="for a bare CSV (default: the model's)")
     add_clamp_play(parser, of="this recording")
     add_effects(parser)

@@ -51,6 +51,8 @@ def run(args: argparse.Namespace) -> int:
         title=args.title,
         resistance=args.resistance,
     )
-    for path in made.write(args.output or f"report.{args.format}", args.format, args.figures):
-        print(f"wrote {path}")
+    report, *figures = made.write(args.output or f"report.{args.format}", args.format, args.figures)
+    print(f"wrote {report} ({report.stat().st_size / 1e6:.1f} MB)")
+    if figures:
+        print(f"wrote {figures[0].parent} ({len(figures) // 2} figures, each as PNG and PDF)")
     return 0

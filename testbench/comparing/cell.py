@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+HOLD_RATE = 2e-4  # 1/s; a strain that changes more slowly is held
+
 
 @dataclass(frozen=True)
 class Cell:

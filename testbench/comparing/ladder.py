@@ -64,14 +64,21 @@ def as_a_step(
 ) -> ModelFile:
     """A model with the summary of its fit (`Fit.summary`), put on top of the ladder so far."""
     entry = ladder_step(step, model, calibration, held)
+    below = _with_fit(before) if before else ()
     return ModelFile(
         without_zeros(model),
         calibration.recording.gauge_length_mm,
         calibration.recording.source,
         held.recording.source,
         summary,
-        (*(before.history if before else ()), entry),
+        (*below, entry),
     )
+
+
+def _with_fit(file: ModelFile) -> tuple[Mapping[str, Any], ...]:
+    """The history of a model whose last step keeps what its fit found: another step is to stand on it."""
+    *earlier, last = file.history
+    return (*earlier, {**last, "fit": file.fit} if file.fit else last)
 
 
 def ladder_step(step: str, model: KnitModel, calibration: Measurement, held: Measurement) -> dict[str, Any]:
@@ -104,7 +111,9 @@ def drawn_to_data(law: Effect, calibration: Measurement, strain: FloatArray | No
 
 def continued(mine: ModelFile, found: ModelFile) -> ModelFile:
     """The model of a diagnosis on top of the ladder that it was made of, whose last step is the diagnosis's first."""
-    return replace(found, history=(*mine.history, *found.history[1:]))
+    if len(found.history) == 1:
+        return replace(found, history=mine.history)
+    return replace(found, history=(*_with_fit(mine), *found.history[1:]))
 
 
 def step_before(diagnosis: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -123,9 +132,10 @@ def undo(file: ModelFile, catalogue: Catalogue) -> ModelFile:
     """
     if len(file.history) < 2:
         raise UserError("nothing to undo: the ladder has only its first step")
-    history = file.history[:-1]
-    model = model_from_dict(history[-1]["model"], catalogue, "history")
-    return replace(file, model=model, history=history, fit={})
+    *earlier, last = file.history[:-1]
+    model = model_from_dict(last["model"], catalogue, "history")
+    step = {key: value for key, value in last.items() if key != "fit"}
+    return replace(file, model=model, history=(*earlier, step), fit=last.get("fit", {}))
 
 
 def idle_effects(file: ModelFile, calibration: Measurement, held: Measurement, optional: set[str]) -> list[str]:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from testbench.comparing.cell import HOLD_RATE
 from testbench.knit.effect import FloatArray
 from testbench.knit.kernels import running_max, turns
 from testbench.measurements.measurement import Measurement
 
 RATE_SMOOTHING_S = 0.15
-HOLD_RATE = 2e-4  # 1/s; slower than this is a hold
 COORDINATES = (
     "strain",
     "strain_rate",

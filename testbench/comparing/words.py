@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from testbench.comparing.cell import Cell
+from testbench.comparing.cell import HOLD_RATE, Cell
 from testbench.comparing.numbers import span
-from testbench.comparing.residual_coordinates import HOLD_RATE
 
 DOING = {1: " while stretching", -1: " while releasing", 0: ""}
 MANY = math.log(1e6)  # log odds beyond this are "more than a million to one"

@@ -42,6 +42,14 @@ class KnitModel:
 
     effects: Mapping[str, Effect] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        for name, effect in self.effects.items():
+            if not isinstance(effect, Effect):
+                raise UserError(
+                    f"KnitModel: {name} must be an effect, as testbench.effects.StressRelaxation(fraction=0.2), "
+                    f"got {type(effect).__name__}"
+                )
+
     @classmethod
     def of(cls, *effects: Effect) -> KnitModel:
         """Build a model from effects, each put at the end of its stage."""
@@ -52,6 +60,9 @@ class KnitModel:
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.effects)
+
+    def __len__(self) -> int:
+        return len(self.effects)
 
     def __contains__(self, name: str) -> bool:
         return name in self.effects

@@ -7,7 +7,7 @@ where both are there, ``displacement_mm`` may be.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -143,6 +143,10 @@ class Recording:
 
     def __contains__(self, name: object) -> bool:
         return name in self.channels
+
+    def __iter__(self) -> Iterator[str]:
+        """Names of the channels, as the columns of a data frame; ``len`` is the number of samples."""
+        return iter(self.channels)
 
     def has(self, name: str) -> bool:
         """Whether the channel `name` was recorded."""

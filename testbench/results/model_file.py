@@ -68,6 +68,7 @@ class Step(OpenModel):
     errors: Errors
     noise_floor: dict[Label, Annotated[float, Field(ge=0)]]
     zero: _Zero | None = None
+    fit: Summary | None = None  # of a step that is not the last
 
     @model_validator(mode="after")
     def _same_channels(self) -> Step:

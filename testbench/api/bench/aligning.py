@@ -37,12 +37,12 @@ class AlignmentResult:
         Delay, drift, offset, and how well they fit.
     recording : Recording
         The part during the program, on its clock, with the planned motion in ``displacement_planned_mm``.
-    program : Made or Path
+    program : Made, its text or its path
     """
 
     alignment: Alignment
     recording: Recording
-    program: Made | Path
+    program: Made | str | Path
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -99,7 +99,7 @@ def align(
     Parameters
     ----------
     recording : Recording or path
-    program : Made or path, optional
+    program : Made, its text or its path, optional
         Default: the one that the campaign keeps in its folder.
     gauge_length_mm : float, optional
         In mm, for the path of a bare CSV.
@@ -122,16 +122,19 @@ def align(
     >>> abs(found.alignment.delay_s) < 0.02, found.recording.has("displacement_planned_mm")
     (True, True)
     """
-    if program is None:
-        if not isinstance(recording, str | Path):
-            raise UserError("align: name the program; only a campaign's folder knows its own")
-        program = Path(recording) / PROGRAM
-    if not isinstance(program, Made):
-        program = Path(program)
-        if not program.is_file():
-            raise UserError(f"{program}: no such program; name it with --program")
     given = recording_of(recording, gauge_length_mm)
+    if program is None:
+        program = _own_program(recording)
     with program_file(program) as path:
         motion, _ = played(path, given.gauge_length_mm)
     found = alignment.align(given, motion)
     return AlignmentResult(found, alignment.applied(given, motion, found), program)
+
+
+def _own_program(recording: Source) -> Path:
+    """The program that a campaign keeps in its folder."""
+    if not isinstance(recording, str | Path):
+        raise UserError("align: name the program; only a campaign's folder knows its own")
+    if not (own := Path(recording) / PROGRAM).is_file():
+        raise UserError(f"align: {recording} holds no {PROGRAM}; name the program that was played with --program")
+    return own

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from gcode.programs.api import text_of
 from gcode.programs.make import Made
 from gcode.support.errors import UserError
-from gcode.support.files import write_text
+from gcode.support.files import existing_file, write_text
 from gcode.support.html import card
 from gcode.support.kinds import instance, number, path_of, whole
 from testbench.api.arguments import AnyModel, catalogue_of, is_preset, model_file_of, model_name
@@ -214,7 +214,7 @@ def program_file(program: Made | str | Path) -> Iterator[Path]:
         )
     is_text = isinstance(program, str) and "\n" in program
     if not isinstance(program, Made) and not is_text:
-        check_beside(Path(program))
+        check_beside(existing_file(program, "program"))
         yield Path(program)
         return
     with TemporaryDirectory(prefix="knitbench-") as folder:

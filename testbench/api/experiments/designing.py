@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -119,7 +119,7 @@ def next_experiment(
     recording: Source | None = None,
     held_out: Source | None = None,
     *,
-    bounds: Mapping[str, float] | None = None,
+    bounds: Bounds | Mapping[str, float] | None = None,
     seed: int = 1,
     temperature: bool = False,
     effects: Effects = None,
@@ -135,7 +135,7 @@ def next_experiment(
         in and refitted on `recording`.
     recording, held_out : Recording or path, optional
         With a diagnosis only: what it was made on.
-    bounds : mapping, optional
+    bounds : Bounds or mapping, optional
         Fields of `testbench.Bounds` that differ from its defaults: ``v_max_mm_per_s``, ``strain_max_percent``, ...
     seed : int
         Of the random protocols.
@@ -174,7 +174,7 @@ def next_experiment(
                 raise UserError("next_experiment: a diagnosis needs the recording that its rivals are refitted on")
             first, held, _ = recordings_for(None, None, recording, held_out, gauge_length_mm)
             data, source = diagnosis_data(rivals), "diagnosis" if isinstance(rivals, DiagnosisResult) else str(rivals)
-            menu(_bounds(bounds or {}, first.gauge_length_mm))  # refused before the refits
+            menu(_bounds(bounds_said(bounds), first.gauge_length_mm))  # refused before the refits
             say = tell or (lambda _text: None)
             found, noise = rivals_from_diagnosis(data, source, *split(first, held), catalogue, say)
             gauge, temperature = first.gauge_length_mm, temperature or first.has(TEMPERATURE)
@@ -183,7 +183,7 @@ def next_experiment(
                 raise UserError("next_experiment: models are as they were fitted; leave recording and held_out out")
             found, noise, gauge = _fitted(rivals, catalogue)
             gauge = gauge if gauge_length_mm is None else gauge_length_mm
-        limits = _bounds(bounds or {}, gauge)
+        limits = _bounds(bounds_said(bounds), gauge)
         return NextExperiment(
             tuple(found), tuple(experiment.propose(found, noise, limits, seed, temperature, tell)), gauge
         )
@@ -200,6 +200,16 @@ def _fitted(
         unique = names if len(set(names)) == len(names) else [f"{name} ({n})" for n, name in enumerate(names, 1)]
         rivals = dict(zip(unique, rivals, strict=True))
     return rivals_of({name: model_file_of(one, catalogue) for name, one in rivals.items()})
+
+
+def bounds_said(bounds: Mapping[str, float] | Bounds | None) -> dict[str, float]:
+    """The fields that differ from the defaults."""
+    if isinstance(bounds, Bounds):
+        usual = asdict(Bounds())
+        return {name: value for name, value in asdict(bounds).items() if value != usual[name]}
+    if not isinstance(bounds or {}, Mapping):
+        raise UserError(f"bounds must be testbench.Bounds or a mapping of its fields, got {type(bounds).__name__}")
+    return dict(bounds or {})
 
 
 def _bounds(fields: Mapping[str, float], gauge_length_mm: float) -> Bounds:

@@ -14,9 +14,11 @@ from gcode.support.files import copy_file, refuse_links, sha256_of, write_json
 from gcode.support.kinds import path_of
 from gcode.support.strict import validated
 from testbench.api.arguments import AnyModel, Effects, catalogue_of, model_file_of, model_name
+from testbench.api.experiments.designing import bounds_said
 from testbench.api.experiments.investigation import InvestigationResult
 from testbench.api.progress import Tell, telling
 from testbench.campaigns.plan import EFFECTS
+from testbench.design.protocols import Bounds
 from testbench.investigating import loop
 from testbench.investigating.benches import Bench, PortBench, PtyBench, SimulatedBench
 from testbench.investigating.state import (
@@ -46,7 +48,7 @@ def investigate(
     port: str | None = None,
     speed: float | None = None,
     resume: bool = False,
-    bounds: Mapping[str, float] | None = None,
+    bounds: Bounds | Mapping[str, float] | None = None,
     run_minutes: float = 3.0,
     budget_minutes: float | None = None,
     sure: float | None = None,
@@ -81,7 +83,7 @@ def investigate(
         A real rig's serial port.
     speed : float, optional
         Record the simulated rig over its pseudo-terminal, so many times faster than real; default: at once.
-    bounds : mapping, optional
+    bounds : Bounds or mapping, optional
         Fields of `testbench.Bounds` but the duration: ``v_max_mm_per_s``, ``strain_max_percent``, ...
     run_minutes : float
         Length of one run.
@@ -149,7 +151,7 @@ def investigate(
         raise UserError("investigate: give a SENSOR to simulate, or the port of a real rig")
     else:
         asked = {
-            "bounds": {**(bounds or {}), "duration_s": 60 * run_minutes},
+            "bounds": {**bounds_said(bounds), "duration_s": 60 * run_minutes},
             "budget_s": 60 * (30.0 if budget_minutes is None else budget_minutes),
             "sure": 0.95 if sure is None else sure,
             "specimen": specimen,

@@ -37,7 +37,7 @@ class ReportResult:
 
     def write(
         self, path: str | Path, format: Literal["html", "md"] = "html", figures: str | Path | None = None
-    ) -> list[str]:
+    ) -> list[Path]:
         """Write one self-contained page, or Markdown with its figures beside it.
 
         Parameters
@@ -49,8 +49,8 @@ class ReportResult:
 
         Returns
         -------
-        list of str
-            What was written, for a person to read.
+        list of Path
+            The report, and every figure.
         """
         return write_report(self.report, path, format, figures)
 

@@ -24,7 +24,7 @@ from testbench.comparing.model_errors import channel_name
 from testbench.comparing.words import spoken
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.effect import Effect
-from testbench.measurements.responses import CONDUCTANCE_CHANNEL
+from testbench.measurements.responses import CONDUCTANCE_CHANNEL, UNIT_OF
 from testbench.recordings.recording import gaps_in
 from testbench.report import style
 from testbench.results.model_file import ModelFile
@@ -62,14 +62,15 @@ class ContributionResult:
         return {"effect": self.effect.name, "parameters": self.effect.model_dump(mode="json"), "samples": samples}
 
     def to_frame(self) -> pd.DataFrame:
-        """A row a sample: ``time_s``, then ``residual`` and ``added`` of each channel, in N and ln S."""
+        """A row a sample: ``time_s``, ``force_residual_N``, ``force_added_N``, ``conductance_residual_ln_S``, ..."""
         import pandas as pd
 
         found = self.contribution
         columns = {"time_s": found.time_s}
         for channel in found.added:
-            name = channel_name(channel)
-            columns |= {f"{name}_residual": found.residual[channel], f"{name}_added": found.added[channel]}
+            name, unit = channel_name(channel), UNIT_OF[channel].replace(" ", "_")
+            columns[f"{name}_residual_{unit}"] = found.residual[channel]
+            columns[f"{name}_added_{unit}"] = found.added[channel]
         return pd.DataFrame(columns)
 
     def plot(self, axes: Axes | Sequence[Axes] | None = None) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,9 +25,9 @@ from testbench.api.arguments import (
 )
 from testbench.api.models.model_result import ModelResult
 from testbench.api.progress import Tell, telling
-from testbench.comparing.words import percent
+from testbench.comparing.words import percent, percent_left
 from testbench.diagnosis.diagnosis import REST_S
-from testbench.diagnosis.result import Diagnosis
+from testbench.diagnosis.result import Diagnosis, Ranked
 from testbench.diagnosis.words import diagnosis_table, first_line
 from testbench.fitting.constants import ROUNDS
 from testbench.investigating.words import spoken
@@ -102,7 +103,11 @@ class DiagnosisResult(ModelResult):
         return self.diagnosis.to_dict()
 
     def to_frame(self) -> pd.DataFrame:
-        """A row a mechanism, the most probable first: effect, law, probability, log_evidence in nats, tied."""
+        """A row a mechanism, the most probable first: effect, law, probability, evidence, what it leaves, tied.
+
+        ``held_out_error_left`` is the share of the RMS error that a refit with it leaves on held-out samples, and
+        ``_low`` and ``_high`` are its 95 % interval; NaN where the mechanism was not worth a refit.
+        """
         import pandas as pd
 
         return pd.DataFrame(
@@ -110,7 +115,8 @@ class DiagnosisResult(ModelResult):
                 "effect": one.effect,
                 "law": one.law,
                 "probability": one.probability,
-                "log_evidence": one.log_evidence,
+                "log_evidence_nats": one.log_evidence,
+                **_error_left(one),
                 "tied": one.effect in self.diagnosis.tied,
             }
             for one in self.diagnosis.ranking
@@ -213,6 +219,13 @@ def diagnose(
     with telling(progress) as tell:
         found = core.diagnose([first, *more], held, given, catalogue, tell, most, play_mm, rest_s)
     return DiagnosisResult(found)
+
+
+def _error_left(one: Ranked) -> dict[str, float]:
+    """What a refit with a mechanism leaves of the held-out RMS error, and its interval, as shares of it."""
+    gain, low, high = one.held_out_gain or (math.nan,) * 3
+    names = "held_out_error_left", "held_out_error_left_low", "held_out_error_left_high"
+    return {name: percent_left(value) / 100 for name, value in zip(names, (gain, high, low), strict=True)}
 
 
 def check_one_history(recordings: Sequence[Recording], held: Recording | None, rest_s: float) -> None:

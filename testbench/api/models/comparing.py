@@ -75,14 +75,15 @@ class ComparisonResult:
         return self.comparison.to_dict() | self.judged.to_dict()
 
     def to_frame(self) -> pd.DataFrame:
-        """A row a bin: channel, coordinate, low, high, direction, mean, standard_error, share, t.
+        """A row a bin: channel, unit, coordinate, low, high, direction, mean, standard_error, share, t.
 
-        The mean is of measured minus modelled, in N or ln S.
+        The mean is of measured minus modelled, in `unit` (N or ln S). Where a coordinate's name has no unit, it is 1
+        (strain), 1/s (strain_rate) or a count (cycle).
         """
         import pandas as pd
 
         return pd.DataFrame(
-            {"channel": channel, "coordinate": coordinate, **vars(cell), "t": cell.t}
+            {"channel": channel, "unit": UNIT_OF[channel], "coordinate": coordinate, **vars(cell), "t": cell.t}
             for channel, maps in self.comparison.maps.items()
             for coordinate, cells in maps.items()
             for cell in cells

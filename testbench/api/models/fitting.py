@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import deepcopy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -52,7 +53,7 @@ class FitResult(ModelResult):
     def errors(self) -> dict[str, dict[str, float]]:
         """RMS errors in N and ln S: ``calibration``, ``held_out``, ``noise_floor``, each by channel."""
         last = self.file.history[-1]
-        return {**last["errors"], "noise_floor": last["noise_floor"]}
+        return deepcopy({**last["errors"], "noise_floor": last["noise_floor"]})
 
     @property
     def notes(self) -> list[str]:
@@ -71,8 +72,7 @@ class FitResult(ModelResult):
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready form: the model, its parameters with their errors, and the history of its errors."""
-        history = [dict(step) for step in self.file.history]
-        return {"model": self.model.to_dict(), "fit": dict(self.file.fit), "history": history}
+        return {"model": self.model.to_dict(), "fit": deepcopy(self.file.fit), "history": self.ladder.to_dict()}
 
     def to_frame(self) -> pd.DataFrame:
         """As `parameters`."""

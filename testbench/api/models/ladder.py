@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import deepcopy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -52,7 +53,7 @@ class Ladder:
 
     def to_dict(self) -> list[dict[str, Any]]:
         """The history, JSON-ready: step, model, errors in N and in ln S, noise floor."""
-        return [dict(step) for step in self.file.history]
+        return [deepcopy(dict(step)) for step in self.file.history]
 
     def to_frame(self) -> pd.DataFrame:
         """A row a step and channel: ``step``, ``channel``, ``unit``, three errors and ``fall`` (a share)."""

@@ -17,15 +17,15 @@ ENDINGS = {"html": (".html", ".htm"), "md": (".md", ".markdown")}
 
 def write_report(
     report: Report, output: str | Path, form: str = "html", figures: str | Path | None = None
-) -> list[str]:
+) -> list[Path]:
     """Write the report, and its figures as PNG and PDF where a folder is given.
 
     Markdown needs its pictures as files, so it gets them beside itself when no folder is named.
 
     Returns
     -------
-    list of str
-        What was written, for the user to read.
+    list of Path
+        The report, and every figure.
 
     Raises
     ------
@@ -43,7 +43,7 @@ def write_report(
     else:
         text = to_html(report)
     write_text(output, text)
-    return [f"{output} ({output.stat().st_size / 1e6:.1f} MB)", *written]
+    return [output, *written]
 
 
 def _check_ending(output: Path, form: str) -> None:
@@ -54,11 +54,10 @@ def _check_ending(output: Path, form: str) -> None:
         raise UserError(f"{output}: a report as {form} ends in {' or '.join(ENDINGS[form])}; {remedy}")
 
 
-def _write_figures(report: Report, folder: Path) -> list[str]:
+def _write_figures(report: Report, folder: Path) -> list[Path]:
     make_folder(folder)
-    count = 0
-    for picture in report.pictures():
-        for suffix in ("png", "pdf"):
-            write_figure(picture.figure, folder / f"{picture.name}.{suffix}")
-        count += 1
-    return [f"{folder} ({count} figures, each as PNG and PDF)"]
+    pictures = [(picture, suffix) for picture in report.pictures() for suffix in ("png", "pdf")]
+    places = [folder / f"{picture.name}.{suffix}" for picture, suffix in pictures]
+    for (picture, _), place in zip(pictures, places, strict=True):
+        write_figure(picture.figure, place)
+    return places

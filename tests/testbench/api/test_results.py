@@ -11,6 +11,7 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import compensation
 import gcode
@@ -27,8 +28,6 @@ mpl.use("Agg")
 
 def axes(count: int):
     """Axes of a figure that no window knows."""
-    from matplotlib.figure import Figure
-
     return list(Figure().subplots(count, 1, squeeze=False)[:, 0])
 
 
@@ -138,6 +137,12 @@ def test_a_generated_program_shows_itself():
     assert "<polyline" in made._repr_html_()
 
 
+@pytest.mark.parametrize("wrong", ["x", Figure(), [1, 2]])
+def test_what_is_no_axes_is_refused(wrong):
+    with pytest.raises(tb.UserError, match=r"axes must be Axes of Matplotlib, got (str|Figure|int)"):
+        relaxed().plot(wrong)
+
+
 def test_too_few_axes_are_refused():
     with pytest.raises(tb.UserError, match="needs 3 axes, one a panel, got 1"):
         relaxed().plot(axes(1))
@@ -154,6 +159,14 @@ def test_mistakes_are_one_sentence():
         tb.diagnose(relaxed(), most=0)
     with pytest.raises(tb.UserError, match=r"bounds: allowed are v_max_mm_per_s.*; got speed$"):
         tb.next_experiment([fitted(), fitted()], bounds={"speed": 3})
+    with pytest.raises(tb.UserError, match=r"bounds: the gauge length is 25 mm, got 50\.0"):
+        tb.next_experiment([fitted(), fitted()], bounds=tb.Bounds(gauge_length_mm=50.0))
+    with pytest.raises(tb.UserError, match=r"bounds must be testbench\.Bounds or a mapping of its fields, got int"):
+        tb.next_experiment([fitted(), fitted()], bounds=3)  # type: ignore[arg-type]
+    with pytest.raises(tb.UserError, match=r"KnitModel: a must be an effect, as .*, got int"):
+        tb.KnitModel({"a": 1})  # type: ignore[dict-item]
+    with pytest.raises(tb.UserError, match=r"Instruments: clock\.rate_hz: Input should be greater than or equal to 0\.01, got 0"):
+        tb.Instruments(clock={"rate_hz": 0})  # type: ignore[arg-type]
     with pytest.raises(tb.UserError, match="duration_s must be a number, got '3'"):
         tb.next_experiment([fitted(), fitted()], bounds={"duration_s": "3"})  # type: ignore[dict-item]
     with pytest.raises(tb.UserError, match=r"bounds: the gauge length is 25 mm, got 50\.0"):
@@ -197,6 +210,24 @@ def test_an_effect_of_ones_own_takes_part(tmp_path):
         tb.fit(relaxed(), effects=[tb.effects.StressRelaxation])
 
 
+def test_what_a_result_gives_away_is_not_the_result_itself():
+    """Somebody who works on with the numbers does not change the fit."""
+    before = json.dumps(fitted().to_dict())
+    fitted().errors["held_out"]["force"] = 0.0
+    fitted().to_dict()["history"][0]["errors"]["held_out"].clear()
+    fitted().ladder.to_dict()[0]["errors"]["calibration"].clear()
+    fitted().to_dict()["fit"]["parameters"].clear()
+    assert json.dumps(fitted().to_dict()) == before
+    made = gcode.generate("paper-1", seed=1, duration_s=20)
+    with pytest.raises(AttributeError):
+        gcode.check(made.program, gcode.Limits(v_max_mm_per_s=0.1)).problems.clear()
+
+
+def test_a_recording_lists_its_channels_as_a_frame_its_columns():
+    assert list(relaxed()) == list(relaxed().channels)
+    assert len(fitted().model) == len(list(fitted().model))
+
+
 def test_the_picture_of_a_diagnosis_and_its_table_have_one_order():
     """Most mechanisms have the probability of no evidence, all the same: the table ranks them by their evidence."""
     d = diagnosed()
@@ -213,6 +244,8 @@ def test_a_diagnosis_has_probabilities_a_picture_and_a_ladder():
     frame = d.to_frame()
     assert frame.effect[0] == "stress_relaxation"
     assert frame.probability[0] == d.probabilities["stress_relaxation"]
+    left = frame[["held_out_error_left_low", "held_out_error_left", "held_out_error_left_high"]].to_numpy()
+    assert left[0, 0] < left[0, 1] < left[0, 2] < 1, "the right mechanism takes most of the error away"
     (axis,) = axes(1)
     assert d.plot(axis) is axis
     assert axis.get_yticklabels()[0].get_text().startswith("stress relaxation (")
@@ -226,17 +259,17 @@ def test_a_candidate_shows_what_it_would_add_where_the_model_was_judged():
     frame = found.to_frame()
     assert list(frame.columns) == [
         "time_s",
-        "force_residual",
-        "force_added",
-        "conductance_residual",
-        "conductance_added",
+        "force_residual_N",
+        "force_added_N",
+        "conductance_residual_ln_S",
+        "conductance_added_ln_S",
     ]
     assert frame.time_s.min() >= 60, "the last third of 90 s"
     before = model_from_dict(diagnosed().to_dict()["history"][-2]["model"], load_catalogue(), "history")
     held = split(relaxed())[1]
     base = contribution(before, diagnosed().diagnosis.ranking[0].start, held)
-    assert np.array_equal(frame.force_residual, base.residual["force"])
-    assert np.array_equal(frame.conductance_added, base.added["conductance"])
+    assert np.array_equal(frame.force_residual_N, base.residual["force"])
+    assert np.array_equal(frame.conductance_added_ln_S, base.added["conductance"])
     assert np.array_equal(found.ln_S, held.measured["conductance"][held.counts])
     assert len(found.plot(axes(2))) == 2
     with pytest.raises(tb.UserError, match="has no law or effect 'nothing'; it ranks stress_relaxation"):

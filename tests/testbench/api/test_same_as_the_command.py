@@ -178,6 +178,15 @@ def test_align_writes_the_campaign_that_the_command_writes(tmp_path, capsys):
         tb.align(tb.read(folder))
     with pytest.raises(UserError, match="no such program"):
         tb.align(folder, tmp_path / "none.tap")
+    assert tb.align(folder, program.program).alignment == found.alignment
+    with pytest.raises(
+        UserError, match=r"program: must be what .*, or the path of one, got Program"
+    ):
+        tb.align(folder, gcode.read(folder / "program.tap"))
+    (tmp_path / "bare").mkdir()
+    (tmp_path / "bare" / "recording.csv").write_bytes((folder / "recording.csv").read_bytes())
+    with pytest.raises(UserError, match=r"holds no program\.tap; name the program that was played"):
+        tb.align(tmp_path / "bare" / "recording.csv", gauge_length_mm=25)
 
 
 def test_dataset_makes_what_the_command_makes(tmp_path, capsys):

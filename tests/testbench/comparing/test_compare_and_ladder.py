@@ -90,10 +90,12 @@ def test_adding_the_hidden_effect_reaches_the_noise(ladder):
     assert ladder[1].model["stress_relaxation"].tau_s == pytest.approx(15, rel=0.2)
 
 
-def test_undo_is_the_step_before_and_stops_at_the_first(ladder):
+def test_undo_is_the_step_before_and_stops_at_the_first(ladder, tmp_path):
     base, added = ladder
-    back = undo(added, CATALOGUE)
+    added.save(tmp_path / "model.json")
+    back = undo(load_model_file(tmp_path / "model.json", CATALOGUE), CATALOGUE)
     assert back.model.to_dict() == base.model.to_dict()
+    assert back.fit["parameters"] == base.fit["parameters"] != {}, "with the errors of its parameters"
     assert back.history == base.history
     with pytest.raises(UserError, match="nothing to undo"):
         undo(back, CATALOGUE)
