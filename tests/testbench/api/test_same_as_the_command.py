@@ -179,9 +179,7 @@ def test_align_writes_the_campaign_that_the_command_writes(tmp_path, capsys):
     with pytest.raises(UserError, match="no such program"):
         tb.align(folder, tmp_path / "none.tap")
     assert tb.align(folder, program.program).alignment == found.alignment
-    with pytest.raises(
-        UserError, match=r"program: must be what .*, or the path of one, got Program"
-    ):
+    with pytest.raises(UserError, match=r"program: must be what .*, or the path of one, got Program"):
         tb.align(folder, gcode.read(folder / "program.tap"))
     (tmp_path / "bare").mkdir()
     (tmp_path / "bare" / "recording.csv").write_bytes((folder / "recording.csv").read_bytes())
