@@ -27,7 +27,18 @@ LEAST_SHARE = 0.01  # of the squared error; less is not worth a look
 
 @dataclass(frozen=True)
 class Place:
-    """One of the worst places."""
+    """One of the worst places.
+
+    Attributes
+    ----------
+    channel, coordinate : str
+    cell : Cell
+        The stretch of the coordinate, and the residual there.
+    share_of_error : float
+        Of the channel's squared residual.
+    words : str
+        What the model does wrong there, in a sentence.
+    """
 
     channel: str
     coordinate: str

@@ -80,12 +80,16 @@ def best_motion(
         How much a recording counts.
     bounds : Bounds
         Limits and length of the motion.
+    seed : int
+        Of the motions that are tried.
     rest_s : float, optional
         The same specimen goes on after this rest; None: a fresh one.
     trials : int
         Motions to weigh beside the named ones.
     force_max_N : float
         No hypothesis may expect more force.
+    progress : callable, optional
+        Called with a short text at each step.
 
     Raises
     ------

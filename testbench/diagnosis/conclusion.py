@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -60,22 +61,24 @@ def concluded(
     meant = most.probabilities(beside)
     chances = mixed_with_prior(meant, prior_of(weighed), constants.MISLED)
     explained = mapped(put_in[-1].hypothesis if put_in else bare, rounds[-1].likelihood).gains
+    leading_first = sorted(range(len(put_in)), key=lambda k: k != lead)
+    depends_on = ((channel, where, share) for (channel, where), share in explained.items())
     return Diagnosis(
-        verdict,
-        chances,
-        tuple(_found(rounds[k:], put_in[k:]) for k in sorted(range(len(put_in)), key=lambda k: k != lead)),
-        _ranking(rounds[: lead + 1], chances, held),
-        _tied(meant, verdict),
-        tuple(name for name in after.model if name not in known),
-        tuple(other_laws.values()),
-        first.bend.mechanism if first.bend and verdict == "nothing_missing" else "",
-        tuple(sorted(((c, where, share) for (c, where), share in explained.items()), key=lambda one: -one[2])),
-        left,
-        before,
-        after,
-        before.history[-1]["errors"]["held_out"],
-        after.history[-1]["errors"]["held_out"],
-        noise_floors(held),
+        verdict=verdict,
+        probabilities=chances,
+        found=tuple(_found(rounds[k:], put_in[k:]) for k in leading_first),
+        ranking=_ranking(rounds[: lead + 1], chances, held),
+        tied=_tied(meant, verdict),
+        base_misfits=tuple(name for name in after.model if name not in known),
+        other_laws=tuple(other_laws.values()),
+        bends_like=first.bend.mechanism if first.bend and verdict == "nothing_missing" else "",
+        depends_on=tuple(sorted(depends_on, key=lambda one: -one[2])),
+        left=left,
+        before=before,
+        after=after,
+        error_before=before.history[-1]["errors"]["held_out"],
+        error_after=after.history[-1]["errors"]["held_out"],
+        noise_floor=noise_floors(held),
     )
 
 
@@ -135,15 +138,18 @@ def _ranked(
     own: Entry | Proposal, step: Round, chance: float, bare: Mapping[str, FloatArray], held: Measurement
 ) -> Ranked:
     """One mechanism in one round; `bare` has the squared errors without it, block by block."""
+    named = partial(Ranked, effect=own.mechanism, law=own.law, probability=chance)
     if isinstance(own, Proposal):
         gain = 2 * max(own.gain, 0.0) / (step.likelihood.count * len(step.likelihood.floor))
         left = float(np.exp(-0.5 * gain))
-        return Ranked(own.mechanism, own.law, chance, own.gain, gain, left, None, own.effect)
+        return named(log_evidence=own.gain, gain=gain, left=left, held_out_gain=None, start=own.effect)
     h, base = own.hypothesis, step.before.hypothesis
-    gain = float(np.mean([2 * np.log(base.evidence.sigma[c] / s) for c, s in h.evidence.sigma.items()]))
-    over = gain_interval(bare, block_energies(h.model, held))
-    return Ranked(
-        own.mechanism, own.law, chance, step.added(own), gain, step.left_everywhere(own), over, h.model[own.name]
+    return named(
+        log_evidence=step.added(own),
+        gain=float(np.mean([2 * np.log(base.evidence.sigma[c] / s) for c, s in h.evidence.sigma.items()])),
+        left=step.left_everywhere(own),
+        held_out_gain=gain_interval(bare, block_energies(h.model, held)),
+        start=h.model[own.name],
     )
 
 

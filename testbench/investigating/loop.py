@@ -161,11 +161,11 @@ class _Loop:
                 self._measured(),
                 belief.reading,
                 settings.limits,
-                settings.seed + number,
-                None if settings.specimen == "fresh" else settings.rest_s,
-                settings.trials,
-                settings.force_max_N or float("inf"),
-                self.watcher.tell,
+                seed=settings.seed + number,
+                rest_s=None if settings.specimen == "fresh" else settings.rest_s,
+                trials=settings.trials,
+                force_max_N=settings.force_max_N or float("inf"),
+                progress=self.watcher.tell,
             )
             made, words, expected, perlin = found.made, found.words, found.expected.low, found.perlin.low
         made.write(program_folder(self.folder, number))

@@ -46,6 +46,15 @@ class Settings(StrictModel):
         ``perlin``: random motion all along, to compare with.
     rest_s : float
         Rest of an aged specimen before each run but the first.
+    seed : int
+        Of noise and random motion.
+    trials : int
+        Motions that a design weighs beside the named protocols.
+    effects_at_most : int
+        Effects that a diagnosis puts in at most.
+    force_max_N : float or None
+        More force than that no likely hypothesis may expect, and no recording may go on with.
+    gauge_length_mm : float
     effects_sha256 : str or None
         Of the file with effects of the user's own.
     own_effects : list of str or None

@@ -62,6 +62,8 @@ def mixed_with_prior(chances: Mapping[str, float], prior: Mapping[str, float], m
 
     Parameters
     ----------
+    chances : mapping
+        After the data, as `over_errors` gives them.
     prior : mapping
         May have mechanisms that were not weighed, for they are in the model already.
     misled : float
