@@ -45,7 +45,13 @@ def after_alarm(folder: Path, settings: Settings) -> Settings:
 
 
 def set_aside(folder: Path) -> Path:
-    """Give a campaign that an alarm ended a name of its own, ``run-2-alarm-1``; returns it."""
+    """Give a campaign that an alarm ended a name of its own, ``run-2-alarm-1``; returns it.
+
+    Raises
+    ------
+    UserError
+        If it cannot be moved.
+    """
     number = 1
     while (place := folder.with_name(f"{folder.name}-alarm-{number}")).exists():
         number += 1

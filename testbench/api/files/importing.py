@@ -168,6 +168,10 @@ def import_file(path: str | Path, wish: Wish | None = None, *, gauge_length_mm: 
     if wish is not None and not isinstance(wish, Wish):
         raise UserError(f"wish: must be a testbench.Wish, got {type(wish).__name__}; tb.Wish(gauge_length_mm=40)")
     given = wish or Wish()
+    if gauge_length_mm is not None and given.gauge_length_mm not in (None, gauge_length_mm):
+        raise UserError(
+            f"gauge_length_mm: is {gauge_length_mm} mm, and the wish says {given.gauge_length_mm} mm; say one of them"
+        )
     if gauge_length_mm is not None:
         given = replace(given, gauge_length_mm=gauge_length_mm)
     return ImportResult(tuple(from_file.import_file(existing_file(path), given)))

@@ -219,6 +219,8 @@ def test_import_file_writes_the_campaign_that_the_command_writes(tmp_path, capsy
     assert told == json.loads(json.dumps(found.to_dict(tmp_path / "more")))
     with pytest.raises(UserError, match="the gauge length is not known"):
         tb.import_file(file)
+    with pytest.raises(UserError, match=r"gauge_length_mm: is 30 mm, and the wish says 40 mm; say one of them"):
+        tb.import_file(file, tb.Wish(gauge_length_mm=40), gauge_length_mm=30)
 
 
 def test_verify_says_what_the_command_says(tmp_path, capsys):
