@@ -22,6 +22,7 @@ from testbench.importing.layout import Column, misfit
 from testbench.importing.rows import channels_of, check_change, in_order, repeats_of, usable
 from testbench.importing.sheet import Sheet
 from testbench.importing.signs import doubts, turned, zeroed
+from testbench.importing.tables_above import left_out, passed_over
 from testbench.importing.trouble_words import in_words
 from testbench.importing.vocabulary.laboratory_units import units_spelt
 from testbench.importing.vocabulary.notation import numbers
@@ -56,10 +57,14 @@ def look(path: Path, wish: Wish) -> tuple[Sheet, Choice]:
             f"{path}: {shifted}: which name belongs to which column cannot be told; mend the file, or say "
             "--header-row 0 and --units-row 0 and give columns by number"
         )
+    if not wish.hints.header_row and (lost := left_out(sheet.head, sheet.layout)):
+        raise UserError(f"{path}: {lost}")
     try:
-        return sheet, choose(sheet.layout, sheet.head, wish.said())
+        choice = choose(sheet.layout, sheet.head, wish.said())
     except UserError as error:
         raise UserError(f"{path}: {error}") from None
+    choice.notes += passed_over(sheet.head, sheet.layout)
+    return sheet, choice
 
 
 def import_file(path: Path, wish: Wish) -> list[Imported]:

@@ -127,3 +127,35 @@ def test_signs_that_were_turned_are_not_advised_to_be_turned_again(tmp_path, sig
     path = written(tmp_path, "Time (s),Displacement (mm),Force (N)\n" + rows)
     done = import_csv(path, Wish(40.0, negate=frozenset(negate)))
     assert any(said in doubt for doubt in done.doubts)
+
+
+REMARKS = {
+    "a remark": "paused by operator",
+    "a remark behind a sign": "# paused by operator",
+    "two remarks": "paused\nresumed; all is well",
+    "no values": "---,---,---",
+    "a row cut short": "2.55",
+    "the names once more": "Time (s),Displacement (mm),Force (N)",
+}
+
+
+@pytest.mark.parametrize("place", [2, 30])
+@pytest.mark.parametrize("name", REMARKS)
+def test_a_row_between_others_is_a_row_that_cannot_be_used(tmp_path, name, place):
+    """Near the top it ended the table: no names were found, and the rows above it were left out without a word."""
+    names, *rows = timed(*[0.1 * n for n in range(90)]).splitlines()
+    path = written(tmp_path, "\n".join([names, *rows[: place - 1], *REMARKS[name].split("\n"), *rows[place - 1 :]]))
+    with pytest.raises(UserError, match=rf"row {place + 1}: .*; --drop-bad leaves"):
+        import_csv(path, Wish(40.0))
+    done = import_csv(path, Wish(40.0, drop_bad=True))
+    assert len(done.recording) == 90
+    assert done.dropped == len(REMARKS[name].split("\n"))
+
+
+def test_the_same_names_above_a_second_test_do_not_hide_the_first(tmp_path):
+    first, again = timed(*FIRST[:20]), timed(*FIRST, *[0.1 * n for n in range(40, 99)])
+    path = written(tmp_path, f"Test 1\n{first}\nTest 2\n{again}")
+    with pytest.raises(UserError, match=r"row 24: Time \(s\) must be a number, got 'Test 2'"):
+        import_csv(path, Wish(40.0))
+    with pytest.raises(UserError, match=r"row 26: .*the time starts again there.*part it"):
+        import_csv(path, Wish(40.0, drop_bad=True))
