@@ -29,7 +29,7 @@ from testbench.importing.vocabulary.notation import numbers
 from testbench.importing.vocabulary.roles import STRETCH, counts_repeats, speaks_about
 from testbench.importing.wish import Wish
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
-from testbench.recordings.checks import known_length
+from testbench.recordings.checks import check, known_length
 from testbench.recordings.doubts import slow
 from testbench.recordings.recording import Recording
 
@@ -174,6 +174,7 @@ def _recorded(
     told = zeroed(picked, choice, wish)
     told += turned(picked, choice, wish)
     gauge_mm = known_length(wish.gauge_length_mm or None, str(path)) if DISPLACEMENT in picked else np.nan
+    check(str(path), when_s - when_s[0], picked, gauge_mm, lambda place: f"row {numbers_of[index[place]]}")
     recording = Recording(when_s - when_s[0], picked, gauge_mm, str(path))
     done = Imported(recording, label, int((~kept).sum()), moved, repeated, float(when_s[0]), dict(read.words))
     strained = gauge_doubt(sheet, choice, read, wish.gauge_length_mm)

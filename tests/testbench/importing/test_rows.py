@@ -159,3 +159,10 @@ def test_the_same_names_above_a_second_test_do_not_hide_the_first(tmp_path):
         import_csv(path, Wish(40.0))
     with pytest.raises(UserError, match=r"row 26: .*the time starts again there.*part it"):
         import_csv(path, Wish(40.0, drop_bad=True))
+
+
+def test_a_value_beyond_all_limits_is_named_by_its_row_in_the_file(tmp_path):
+    """It was counted as if the names stood in row 1 and no row had been left out."""
+    text = timed(*FIRST).replace("0.50,0.50,1", "x,,").replace("0.70,0.70,1", "0.70,900,1")
+    with pytest.raises(UserError, match=r"row 11: a displacement of 900 mm"):
+        import_csv(written(tmp_path, f"Title\n\n{text}"), Wish(40.0, drop_bad=True))
