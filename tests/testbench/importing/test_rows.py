@@ -166,3 +166,18 @@ def test_a_value_beyond_all_limits_is_named_by_its_row_in_the_file(tmp_path):
     text = timed(*FIRST).replace("0.50,0.50,1", "x,,").replace("0.70,0.70,1", "0.70,900,1")
     with pytest.raises(UserError, match=r"row 11: a displacement of 900 mm"):
         import_csv(written(tmp_path, f"Title\n\n{text}"), Wish(40.0, drop_bad=True))
+
+
+def test_whole_seconds_at_a_higher_rate_are_not_advised_to_be_sorted(tmp_path):
+    """Following the advice left 3 of 60 rows."""
+    rows = "".join(f"23:59:{57 + n // 20},{n},1\n" for n in range(60))
+    path = written(tmp_path, "Time,Displacement (mm),Force (N)\n" + rows)
+    with pytest.raises(
+        UserError, match=r"57 of 60 rows have the time of the row above.* say --rate-hz F.*\(on average 20\)"
+    ):
+        import_csv(path, Wish(40.0))
+    recording = import_csv(path, Wish(40.0, columns={"time": "none"}, rate_hz=20.0)).recording
+    assert recording.time_s[[0, 1, -1]].tolist() == pytest.approx([0, 0.05, 2.95])
+    seldom = timed(*FIRST, FIRST[-1])
+    with pytest.raises(UserError, match="; --sort puts rows in order and drops repeated times"):
+        import_csv(written(tmp_path, seldom), Wish(40.0))
