@@ -12,6 +12,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from gcode.support.files import atomic_writer
+from gcode.support.kinds import path_of
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME, UNITS
 from testbench.recordings.checks import check, known_length, row_of_file
 from testbench.recordings.csv_columns import columns_of, listed, read_frame
@@ -47,7 +48,7 @@ def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Re
     UserError
         If the file is missing or malformed; the message names the file, the row and the remedy.
     """
-    path = Path(path)
+    path = path_of(path, "recording")
     if path.is_dir():
         return _load_campaign(path, gauge_length_mm)
     if not path.exists():

@@ -113,6 +113,8 @@ SLIPS = {
     ),
     "effects that are none": (lambda: tb.fit("a.csv", effects=7), "classes of your own effects, got 7"),
     "a number for a file": (lambda: gcode.read(5), "got int, not the path of a program"),
+    "nothing for a recording": (lambda: tb.read("", 25), "got an empty text, not the path of a recording; name it"),
+    "nothing for a campaign": (lambda: tb.verify(""), "got an empty text, not the path of a campaign; name it"),
     "a number for a campaign": (lambda: tb.verify(5), "got int, not the path of a campaign"),
     "a number for a folder": (lambda: gcode.generate("paper-1", seed=1, duration_s=20).write(5), "path of a folder"),
     "a number for the campaigns to make": (lambda: tb.dataset(5, "knits"), "got int, not the path of a TOML file"),
