@@ -34,7 +34,7 @@ def changed(channel: str, change: Change) -> Recording:
     ("channel", "change", "said"),
     [
         ("force_N", lambda f: f * 1e300, "force_N is .*check its unit"),
-        ("force_N", glitch(1e300), r"row 777 \(counting from 0\): force_N is 1e\\+300"),
+        ("force_N", glitch(1e300), r"row 777 \(counting from 0\): force_N is 1e\+300"),
         ("displacement_mm", lambda d: d * 1e300, "displacement_mm is"),
         ("displacement_mm", lambda d: d * 1000, "is a strain of .*check the gauge length"),
         ("displacement_mm", glitch(-1e4), r"row 777 \(counting from 0\): a displacement of -10000 mm"),
