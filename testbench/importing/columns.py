@@ -69,7 +69,7 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
     days = {one.days.number for one in choice.taken.values() if one.days}
     frame = sheet.body([column.number for column in needed])
     rows = np.arange(len(frame)) + sheet.layout.first_row
-    blank = frame.drop(columns=list(days)).isna().all(axis=1).to_numpy() if len(frame) else np.zeros(0, dtype=bool)
+    blank = sheet.blank(frame.drop(columns=list(days)))
     frame, rows = frame[~blank], rows[~blank]
     if not len(rows):
         raise UserError(f"{sheet.path}: there is nothing below the header in row {sheet.layout.first_row - 1}")

@@ -112,7 +112,7 @@ def _at_rate(sheet: Sheet, read: Read, rate_hz: float) -> np.ndarray:
     """The times of samples that were taken at a rate, in s: blank lines are none, rows of no use are."""
     if (np.diff(read.rows) == 1).all():
         return (read.rows - read.rows[0]) / rate_hz
-    filled = sheet.body([column.number for column in sheet.layout.columns]).notna().any(axis=1).to_numpy()
+    filled = ~sheet.blank(sheet.body([column.number for column in sheet.layout.columns]))
     sample = np.cumsum(filled)[read.rows - sheet.layout.first_row]
     return (sample - sample[0]) / rate_hz
 

@@ -185,7 +185,7 @@ def _goes_on(rows: Rows, begin: int, place: int) -> bool:
     was set (``Width;25``) is no row of a run.
     """
     first = rows[begin]
-    below = [cells for cells in rows[place:] if width_of(cells)][: LOOK_UP + 1]
+    below = [cells for cells in rows[place:] if width_of(cells)]
     at = next((at for at, cells in enumerate(below) if _is_alike(cells, first)), None)
     if at is None or min(count_numbers(first), count_numbers(below[at])) < 2:
         return False

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from gcode.support.errors import UserError
 
 if TYPE_CHECKING:
+    import numpy as np
     import pandas as pd
 
     from testbench.importing.layout import Layout
@@ -90,3 +91,7 @@ class Sheet:
     def body(self, numbers: Sequence[int]) -> pd.DataFrame:
         """Everything from the layout's first row on: the columns with these numbers (from 1), in any type."""
         raise NotImplementedError
+
+    def blank(self, frame: pd.DataFrame) -> np.ndarray:
+        """Which rows of columns that `body` gave are empty, as booleans of shape (n,)."""
+        return frame.isna().all(axis=1).to_numpy(dtype=bool)

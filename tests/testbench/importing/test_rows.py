@@ -25,11 +25,22 @@ def test_blank_lines_are_no_samples_of_a_rate(tmp_path, end):
     assert recording.time_s.tolist() == pytest.approx([0, 0.1, 0.2, 0.3])
 
 
-@pytest.mark.parametrize("lost", ["2,OL,2", "OL,2,2", ",,2"])
+@pytest.mark.parametrize("lost", ["2,OL,2", "OL,2,2", ",,2", "NaN,NaN,2", "nan,NA,NaN"])
 def test_a_row_that_is_left_out_was_a_sample_of_a_rate(tmp_path, lost):
     rows = ["Displacement (mm),Force (N),Cycle", "0,0,2", "1,1,2", lost, "3,3,2"]
     done = import_csv(written(tmp_path, "\n".join(rows)), Wish(40.0, rate_hz=10.0, drop_bad=True))
     assert done.recording.time_s.tolist() == pytest.approx([0, 0.1, 0.3])
+
+
+def test_rows_of_no_number_between_others_are_no_blank_lines(tmp_path):
+    """They were left out without a word, and what followed came too early."""
+    rows = [*RATED[:2], "NaN,NaN", "", "NaN,NaN", *RATED[3:], "NaN,NaN"]
+    path = written(tmp_path, "\n".join(rows) + "\n")
+    with pytest.raises(UserError, match=r"row 3: displacement_mm must be a finite number, got nan \(2 such rows\)"):
+        import_csv(path, Wish(40.0, rate_hz=10.0))
+    done = import_csv(path, Wish(40.0, rate_hz=10.0, drop_bad=True))
+    assert done.recording.time_s.tolist() == pytest.approx([0, 0.3, 0.4])
+    assert done.dropped == 2
 
 
 def blanks(*changed):
@@ -134,6 +145,7 @@ REMARKS = {
     "a remark behind a sign": "# paused by operator",
     "two remarks": "paused\nresumed; all is well",
     "no values": "---,---,---",
+    "a meter out of range for a while": "\n".join(["2.55,OL,OL"] * 12),
     "a row cut short": "2.55",
     "the names once more": "Time (s),Displacement (mm),Force (N)",
 }
