@@ -92,6 +92,11 @@ class Sheet:
         """Everything from the layout's first row on: the columns with these numbers (from 1), in any type."""
         raise NotImplementedError
 
+    @property
+    def parts_sentences(self) -> bool:
+        """Whether each word of a remark is a cell of its own, as where blanks part the cells."""
+        return False
+
     def blank(self, frame: pd.DataFrame) -> np.ndarray:
         """Which rows of columns that `body` gave are empty, as booleans of shape (n,)."""
         return frame.isna().all(axis=1).to_numpy(dtype=bool)

@@ -63,8 +63,8 @@ def _is_alike(rows: Rows, layout: Layout, table: Sequence[int]) -> bool:
     first = rows[layout.first_row - 1]
     if 2 * sum(_stands_as(rows[place], first) for place in table) <= len(table):
         return False
-    if layout.header_row is None or layout.header_row - 1 < table[0]:
-        return True
+    if layout.header_row is None or layout.header_row <= table[0]:
+        return table[0] >= (layout.units_row or 0)  # above the units, they number the columns
     named = [read_heading(cell) for cell in rows[layout.header_row - 1]]
     return not any(heading.roles for heading in named) or _mean_the_same(_names_of(rows, table), named)
 

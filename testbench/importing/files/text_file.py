@@ -66,6 +66,11 @@ class TextSheet(Sheet):
             said = in_words(error, self.layout.first_row - 1)
             raise UserError(f"{self.path}: {said}; check the export, or name --separator") from None
 
+    @property
+    def parts_sentences(self) -> bool:
+        """Whether each word of a remark is a cell of its own."""
+        return self.separator == BLANKS
+
     def blank(self, frame: pd.DataFrame) -> np.ndarray:
         """Which rows of columns that `body` gave are empty.
 

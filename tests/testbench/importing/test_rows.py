@@ -61,6 +61,13 @@ def test_a_missing_cell_between_blanks_does_not_move_the_others(tmp_path):
     assert recording["force_N"].tolist() == pytest.approx([0, 0.2, 0.6, 0.8, 1.0, 1.2, 1.4])
 
 
+def test_a_remark_between_blanks_is_no_other_table(tmp_path):
+    path = written(tmp_path, blanks((2, "paused by an operator")))
+    with pytest.raises(UserError, match=r"row 4: Time\(s\) must be a number, got 'paused'.*--drop"):
+        import_csv(path, Wish(40.0))
+    assert len(import_csv(path, Wish(40.0, drop_bad=True)).recording) == 7
+
+
 def test_a_last_cell_that_is_no_number_and_a_blank_line_are_no_missing_cell(tmp_path):
     for last in ("  0.7   3.50   1.40      nan", ""):
         recording = import_csv(written(tmp_path, blanks((7, last))), Wish(40.0)).recording
@@ -73,7 +80,9 @@ def kiloohm(*below):
     )
 
 
-@pytest.mark.parametrize("again", ["Time (s),Displacement (mm),R (MOhm)", "Time,Displacement (mm),R (kOhm)"])
+@pytest.mark.parametrize(
+    "again", ["Time (s),Displacement (mm),R (MOhm)", "Time,Displacement (mm),R (kOhm)", "No.,Pmax,Pmin"]
+)
 def test_names_with_one_other_unit_begin_another_table(tmp_path, again):
     """With --drop-bad the row of names was left out, and megaohms were read as kiloohms."""
     with pytest.raises(UserError, match="row 4 has other names or units"):

@@ -88,6 +88,13 @@ def test_results_above_the_table_are_not_read_and_said(tmp_path, name):
     assert len([note for note in done.notes if note.startswith("not read: the numbers in row")]) == 1
 
 
+def test_numbers_of_the_columns_may_stand_between_names_and_units(tmp_path):
+    path = written(tmp_path, [GERMAN[0], "1;2;3", GERMAN[1]], samples(LONGER))
+    assert len(import_csv(path, Wish(40.0)).recording) == LONGER
+    with pytest.raises(UserError, match=r"the numbers in rows 3 to 4 would be left out"):
+        import_csv(written(tmp_path, GERMAN, ["1;2;3", "1;2;3", "# Weg; Kraft"], samples(LONGER)), Wish(40.0))
+
+
 def test_what_was_set_is_no_table(tmp_path):
     """Lines of a name and a number each, more than there are samples."""
     settings = [f"Setting {n};{n}" if n % 3 else f"Remark {n};none" for n in range(30)]
