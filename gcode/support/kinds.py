@@ -18,9 +18,14 @@ Wanted = TypeVar("Wanted")
 
 
 def path_of(path: str | Path, what: str = "file") -> Path:
-    """What a person gave as the path of a `what`; anything else is a `UserError`."""
+    """What a person gave as the path of a `what`; anything else is a `UserError`, and so is an empty text.
+
+    Python takes that for the folder one is in; but it comes from a variable that was never set.
+    """
     if not isinstance(path, str | os.PathLike):
         raise UserError(f"got {type(path).__name__}, not the path of a {what}")
+    if not os.fspath(path):
+        raise UserError(f"got an empty text, not the path of a {what}; name it ('.' is the folder you are in)")
     return Path(path)
 
 

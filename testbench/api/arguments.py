@@ -21,6 +21,7 @@ from testbench.measurements.preparing import MAX_GRID_HZ
 from testbench.measurements.splitting import MIN_PART
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
 from testbench.recordings.checks import known_length
+from testbench.recordings.csv_columns import is_remark, listed
 from testbench.recordings.doubts import check_gap, check_grid, say_if_same, say_sign, say_slow
 from testbench.recordings.files import SPELLINGS, read_recording, say_of_temperature, strange_names
 from testbench.recordings.recording import Recording
@@ -51,6 +52,7 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
     ----------
     source : path, DataFrame or mapping of str to array, each shape (n,)
         Columns ``time_s``, ``displacement_mm``, ``force_N``, ``resistance_ohm``; force or resistance may be missing.
+        Others that have no number from top to bottom, such as remarks, are left out.
     gauge_length_mm : float, optional
         Length of the unstretched sensor between the clamps; a campaign knows its own.
 
@@ -75,9 +77,10 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
     if not hasattr(source, "items"):
         raise UserError(f"read: must be a path, a data frame or a mapping of columns, got {type(source).__name__}")
     _check_names(map(str, source))
-    columns = {str(name): _numbers(str(name), values) for name, values in source.items()}
+    named = {str(name): values for name, values in source.items()}
+    columns = {name: _numbers(name, values) for name, values in named.items() if not _is_remark(name, values)}
     if TIME not in columns:
-        raise UserError(f"read: no column {TIME} (found: {', '.join(columns)}); rename yours")
+        raise UserError(f"read: no column {TIME} (found: {listed(named, columns)}); rename yours")
     if gauge_length_mm is None and DISPLACEMENT in columns:
         raise UserError("read: a table does not know its gauge length; give gauge_length_mm")
     say_of_temperature("read", columns)
@@ -104,6 +107,14 @@ def _check_names(names: Iterable[str]) -> None:
                 f"read: column {like[0]!r} is not taken for the {quantity}; call it {channel}, in {unit}, "
                 "or leave it out"
             )
+
+
+def _is_remark(name: str, values: Any) -> bool:
+    """Whether a column is text from top to bottom, as remarks are: it is left out, as that of a CSV."""
+    import pandas as pd
+
+    column = np.asarray(values)
+    return column.ndim == 1 and column.dtype.kind in "OUT" and is_remark(name, pd.Series(column.astype(object)))
 
 
 def _numbers(name: str, values: Any) -> FloatArray:

@@ -69,7 +69,7 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
     days = {one.days.number for one in choice.taken.values() if one.days}
     frame = sheet.body([column.number for column in needed])
     rows = np.arange(len(frame)) + sheet.layout.first_row
-    blank = frame.drop(columns=list(days)).isna().all(axis=1).to_numpy() if len(frame) else np.zeros(0, dtype=bool)
+    blank = sheet.blank(frame.drop(columns=list(days)))
     frame, rows = frame[~blank], rows[~blank]
     if not len(rows):
         raise UserError(f"{sheet.path}: there is nothing below the header in row {sheet.layout.first_row - 1}")
@@ -115,7 +115,12 @@ def _check_one_table(sheet: Sheet, columns: Sequence[Column], frame: pd.DataFram
             words = [word for word in lettered if not (is_number(word) or is_when(word))]
             worded += text.isin(words).to_numpy(dtype=bool)
             speaking += text.isin([word for word in words if _is_another_name(word, column)]).to_numpy(dtype=bool)
-    filled = frame[[column.number for column in columns]].notna().sum(axis=1).to_numpy()
+    taken = frame[[column.number for column in columns]]
+    filled = taken.notna().sum(axis=1).to_numpy()
+    if not sheet.parts_sentences:
+        full = np.flatnonzero((worded == len(columns)) & (speaking == 0))
+        full = full[~taken.iloc[full].duplicated().to_numpy()]
+        speaking[full[[_are_names(taken.iloc[row], columns) for row in full]]] = 1
     again = np.flatnonzero((speaking > 1) | ((speaking > 0) & (worded > 1) & (worded == filled)))
     if again.size:
         names = ", ".join(str(frame[column.number].iloc[again[0]]) for column in columns)
@@ -123,6 +128,12 @@ def _check_one_table(sheet: Sheet, columns: Sequence[Column], frame: pd.DataFram
             f"{sheet.path}: row {rows[again[0]]} has other names or units ({shortened(names)}), so another table "
             "begins there: end the file before it, or part it into one file each"
         )
+
+
+def _are_names(cells: pd.Series, columns: Sequence[Column]) -> bool:
+    """Whether words in every column are names, if only ones that say nothing to us: all differ, and from ours."""
+    words = {str(cell).strip() for cell in cells}
+    return len(words) == len(columns) and not words & {column.heading.text for column in columns}
 
 
 def _is_another_name(text: str, column: Column) -> bool:

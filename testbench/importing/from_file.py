@@ -22,13 +22,14 @@ from testbench.importing.layout import Column, misfit
 from testbench.importing.rows import channels_of, check_change, in_order, repeats_of, usable
 from testbench.importing.sheet import Sheet
 from testbench.importing.signs import doubts, turned, zeroed
+from testbench.importing.tables_above import left_out, passed_over
 from testbench.importing.trouble_words import in_words
 from testbench.importing.vocabulary.laboratory_units import units_spelt
 from testbench.importing.vocabulary.notation import numbers
 from testbench.importing.vocabulary.roles import STRETCH, counts_repeats, speaks_about
 from testbench.importing.wish import Wish
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
-from testbench.recordings.checks import known_length
+from testbench.recordings.checks import check, known_length
 from testbench.recordings.doubts import slow
 from testbench.recordings.recording import Recording
 
@@ -56,10 +57,14 @@ def look(path: Path, wish: Wish) -> tuple[Sheet, Choice]:
             f"{path}: {shifted}: which name belongs to which column cannot be told; mend the file, or say "
             "--header-row 0 and --units-row 0 and give columns by number"
         )
+    if not wish.hints.header_row and (lost := left_out(sheet.head, sheet.layout)):
+        raise UserError(f"{path}: {lost}")
     try:
-        return sheet, choose(sheet.layout, sheet.head, wish.said())
+        choice = choose(sheet.layout, sheet.head, wish.said())
     except UserError as error:
         raise UserError(f"{path}: {error}") from None
+    choice.notes += passed_over(sheet.head, sheet.layout)
+    return sheet, choice
 
 
 def import_file(path: Path, wish: Wish) -> list[Imported]:
@@ -107,7 +112,7 @@ def _at_rate(sheet: Sheet, read: Read, rate_hz: float) -> np.ndarray:
     """The times of samples that were taken at a rate, in s: blank lines are none, rows of no use are."""
     if (np.diff(read.rows) == 1).all():
         return (read.rows - read.rows[0]) / rate_hz
-    filled = sheet.body([column.number for column in sheet.layout.columns]).notna().any(axis=1).to_numpy()
+    filled = ~sheet.blank(sheet.body([column.number for column in sheet.layout.columns]))
     sample = np.cumsum(filled)[read.rows - sheet.layout.first_row]
     return (sample - sample[0]) / rate_hz
 
@@ -169,6 +174,7 @@ def _recorded(
     told = zeroed(picked, choice, wish)
     told += turned(picked, choice, wish)
     gauge_mm = known_length(wish.gauge_length_mm or None, str(path)) if DISPLACEMENT in picked else np.nan
+    check(str(path), when_s - when_s[0], picked, gauge_mm, lambda place: f"row {numbers_of[index[place]]}")
     recording = Recording(when_s - when_s[0], picked, gauge_mm, str(path))
     done = Imported(recording, label, int((~kept).sum()), moved, repeated, float(when_s[0]), dict(read.words))
     strained = gauge_doubt(sheet, choice, read, wish.gauge_length_mm)

@@ -11,6 +11,7 @@ from testbench.importing.vocabulary.notation import MISSING, is_number, is_when
 
 Rows = Sequence[Sequence[str]]
 SHOWN = 60  # characters of a name in a message
+TOP_ROWS = 50  # of numbers that tell how wide a table is
 LOOK_UP = 8  # filled rows above the numbers in which names and units are looked for
 
 
@@ -88,10 +89,10 @@ def find_layout(
     start = _first_numbers(rows, known) if known else _longest_run(rows)
     if start is None:
         return None
-    width = _width(rows[start])
+    width = width_of(rows[start])
     header: int | None = named or None
     if header_row is None and not header:
-        header = _names_above(rows, start, width)
+        header = names_above(rows, start, width)
     if units_row is None:
         units_row = _units_between(rows, header, start, width)
     return Layout(header, units_row or None, start + 1, _columns(rows, header, units_row or None, start))
@@ -103,11 +104,11 @@ def misfit(rows: Rows, layout: Layout) -> str:
     A name too many (an unquoted comma in it) or too few (a first column of row numbers without a name) would shift
     the meaning of every column behind it.
     """
-    body = rows[layout.first_row - 1 : layout.first_row + 50]
-    most, filled = max(map(len, body)), max(map(_width, body))
+    body = _numbers_of(rows, layout.first_row - 1)
+    most, filled = max(map(len, body)), max(map(width_of, body))
     for what, row in (("names", layout.header_row), ("units", layout.units_row)):
-        if row is not None and not (_width(rows[row - 1]) <= most and filled <= len(rows[row - 1])):
-            return f"row {row} has {_width(rows[row - 1])} {what}, the rows of numbers below it {filled} columns"
+        if row is not None and not (width_of(rows[row - 1]) <= most and filled <= len(rows[row - 1])):
+            return f"row {row} has {width_of(rows[row - 1])} {what}, the rows of numbers below it {filled} columns"
     return ""
 
 
@@ -123,14 +124,33 @@ def _row_with(rows: Rows, wanted: Sequence[str]) -> int | None:
 def is_data(cells: Sequence[str]) -> bool:
     """Whether most of a row's filled cells are numbers, or dates and times."""
     filled = [cell for cell in cells if cell.strip()]
-    good = sum(is_number(cell) or is_when(cell) for cell in filled)
+    good = count_numbers(filled)
     missing = sum(cell.strip().casefold() in MISSING for cell in filled)
     return good >= 1 and 2 * (good + missing) >= len(filled)
 
 
-def _width(cells: Sequence[str]) -> int:
+def width_of(cells: Sequence[str]) -> int:
     """Cells up to the last filled one."""
     return max((place for place, cell in enumerate(cells, 1) if cell.strip()), default=0)
+
+
+def count_numbers(cells: Sequence[str]) -> int:
+    """How many cells are numbers, or dates and times."""
+    return sum(is_number(cell) or is_when(cell) for cell in cells)
+
+
+def words_in(cells: Sequence[str]) -> set[int]:
+    """Places of the cells that are neither numbers nor missing."""
+    return {
+        place
+        for place, cell in enumerate(cells)
+        if not count_numbers([cell]) and cell.strip().casefold() not in MISSING
+    }
+
+
+def _numbers_of(rows: Rows, start: int) -> list[Sequence[str]]:
+    """The first rows of numbers of a table; remarks between them are none."""
+    return [row for row in rows[start : start + TOP_ROWS] if is_data(row)]
 
 
 def _first_numbers(rows: Rows, after: int) -> int | None:
@@ -138,27 +158,49 @@ def _first_numbers(rows: Rows, after: int) -> int | None:
 
 
 def _longest_run(rows: Rows) -> int | None:
-    """Where the longest run of rows of numbers begins; blank rows do not end it, other widths do."""
-    best, best_length, begin, length, width = None, 0, 0, 0, 0
+    """Where the longest run of rows of numbers begins; blank rows and remarks do not end it, other tables do."""
+    best, best_length, begin, length = None, 0, 0, 0
     for place, cells in enumerate(rows):
-        if not _width(cells):
+        if not width_of(cells):
             continue
-        if is_data(cells) and length and abs(len(cells) - width) <= 1:
+        if length and _is_alike(cells, rows[begin]):
             length += 1
-        else:
-            begin, length, width = place, int(is_data(cells)), len(cells)
+        elif not (length and _goes_on(rows, begin, place)):
+            begin, length = place, int(is_data(cells))
         if length > best_length:
             best, best_length = begin, length
     return best
 
 
+def _is_alike(cells: Sequence[str], first: Sequence[str]) -> bool:
+    """Whether a row is one of numbers, as wide as the first of its run."""
+    return is_data(cells) and abs(len(cells) - len(first)) <= 1
+
+
+def _goes_on(rows: Rows, begin: int, place: int) -> bool:
+    """Whether the run that begins at `begin` goes on below the row at `place`, which is none of it.
+
+    It may be a remark of somebody, a row cut short, or the names above the run once more, with rows below them that
+    have words where those of the run do. Names that are not above it are those of another table, and a line of what
+    was set (``Width;25``) is no row of a run.
+    """
+    first = rows[begin]
+    below = [cells for cells in rows[place:] if width_of(cells)]
+    at = next((at for at, cells in enumerate(below) if _is_alike(cells, first)), None)
+    if at is None or min(count_numbers(first), count_numbers(below[at])) < 2:
+        return False
+    names = [cells for cells in below[:at] if _speaks(cells)]
+    again = all(cells in rows[:begin] for cells in names) and words_in(below[at]) == words_in(first)
+    return again or not names
+
+
 def _above(rows: Rows, start: int, width: int) -> list[int]:
     """Rows right above the numbers that fit over them, the nearest first; blank rows are passed over."""
     found: list[int] = []
-    places = [place for place in range(start - 1, -1, -1) if _width(rows[place])]
+    places = [place for place in range(start - 1, -1, -1) if width_of(rows[place])]
     for place in places[:LOOK_UP]:
         filled = sum(bool(cell.strip()) for cell in rows[place])
-        if not (2 * filled > width or width <= 2 or _speaks(rows[place])) or _width(rows[place]) > width + 1:
+        if not (2 * filled > width or width <= 2 or _speaks(rows[place])) or width_of(rows[place]) > width + 1:
             break
         found.append(place)
     return found
@@ -178,8 +220,8 @@ def _is_units(cells: Sequence[str]) -> bool:
     return known >= 1 and 2 * known >= len(filled)
 
 
-def _names_above(rows: Rows, start: int, width: int) -> int | None:
-    """The row above the numbers with the most words for what we look for; the nearest of those."""
+def names_above(rows: Rows, start: int, width: int) -> int | None:
+    """The row (from 1) above the numbers with the most words for what we look for; the nearest of those."""
     places = [place for place in _above(rows, start, width) if not _is_units(rows[place])]
     meanings = {place: sum(bool(read_heading(cell).roles) for cell in rows[place]) for place in places}
     best = max(places, key=lambda place: (meanings[place], place), default=None)
@@ -192,14 +234,14 @@ def _units_between(rows: Rows, header: int | None, start: int, width: int) -> in
     known = next((place for place in above if _is_units(rows[place]) and place + 1 != header), None)
     if known is not None:
         return known + 1
-    between = [place for place in range(header or start, start) if _width(rows[place])]
+    between = [place for place in range(header or start, start) if width_of(rows[place])]
     return between[0] + 1 if header and len(between) == 1 else None
 
 
 def _columns(rows: Rows, header: int | None, units_row: int | None, start: int) -> tuple[Column, ...]:
     names = list(rows[header - 1]) if header else []
     units = list(rows[units_row - 1]) if units_row else []
-    width = max([len(row) for row in rows[start : start + 50]] + [_width(names)])
+    width = max([len(row) for row in _numbers_of(rows, start)] + [width_of(names)])
     return tuple(_column(place + 1, _cell(names, place), _cell(units, place), units_row) for place in range(width))
 
 

@@ -15,7 +15,9 @@ from testbench.recordings.checks import such, within
 
 REVERSIBLE = frozenset(("resistance", "conductance"))  # negative where the sense leads are the other way round
 FAR = 10  # steps that the time falls back where another recording begins, and rows that then follow
-MOSTLY = 0.5  # of the rows negative: the resistance has the wrong sign, and no bad rows
+MOSTLY = (
+    0.5  # of the rows: where as many are negative, the sign is wrong, and where times repeat, the time is rounded
+)
 
 
 def channels_of(scaled: Mapping[str, np.ndarray], wish: Wish) -> dict[str, np.ndarray]:
@@ -113,7 +115,7 @@ def in_order(path: Path, rows: np.ndarray, time_s: np.ndarray, sort: bool) -> tu
     again, at = _restart(time_s), int(np.flatnonzero(steps <= 0)[0]) + 1
     if again or not sort:
         at = again or at
-        remedy = "--sort puts rows in order and drops repeated times"
+        remedy = _for_order(time_s)
         if again:
             remedy = (
                 "the time starts again there, so the file holds several recordings: part it into one file each"
@@ -126,6 +128,20 @@ def in_order(path: Path, rows: np.ndarray, time_s: np.ndarray, sort: bool) -> tu
     moved = int((order != np.arange(len(order))).sum())
     first = np.concatenate([[True], np.diff(time_s[order]) > 0])
     return order[first], moved, int((~first).sum())
+
+
+def _for_order(time_s: np.ndarray) -> str:
+    """What to do about times that do not increase; those of whole seconds at a higher rate are no time to sort by."""
+    steps = np.diff(time_s)
+    repeated, onward = int((steps == 0).sum()), steps[steps > 0]
+    if repeated <= MOSTLY * len(time_s) or not onward.size:
+        return "--sort puts rows in order and drops repeated times"
+    rate_hz = len(time_s) / (len(time_s) - repeated) / float(np.median(onward))
+    return (
+        f"{repeated} of {len(time_s)} rows have the time of the row above, as where it is written in whole seconds: "
+        f"say --rate-hz F, the rate that they were sampled at (on average {rate_hz:.3g}), in place of the time "
+        "column; --sort would drop them"
+    )
 
 
 def _restart(time_s: np.ndarray) -> int:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from gcode.support.errors import UserError
 
 if TYPE_CHECKING:
+    import numpy as np
     import pandas as pd
 
     from testbench.importing.layout import Layout
@@ -90,3 +91,12 @@ class Sheet:
     def body(self, numbers: Sequence[int]) -> pd.DataFrame:
         """Everything from the layout's first row on: the columns with these numbers (from 1), in any type."""
         raise NotImplementedError
+
+    @property
+    def parts_sentences(self) -> bool:
+        """Whether each word of a remark is a cell of its own, as where blanks part the cells."""
+        return False
+
+    def blank(self, frame: pd.DataFrame) -> np.ndarray:
+        """Which rows of columns that `body` gave are empty, as booleans of shape (n,)."""
+        return frame.isna().all(axis=1).to_numpy(dtype=bool)

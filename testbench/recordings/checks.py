@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from numbers import Real
 
 import numpy as np
@@ -23,10 +23,29 @@ LIMITS = {
 NO_LIMITS = (-np.inf, np.inf)
 MOST_STRAIN = 20.0  # 2,000 %; the softest rubber tears at 10
 DROP = "`testbench import --drop-bad` leaves them out (in a data frame, select the others)"
-HEADER_ROWS = 2  # row numbers in messages count from 1 and the header is row 1
+HEADER_ROWS = 2  # rows of a file count from 1 and the header is row 1
+
+RowWords = Callable[[int], str]
 
 
-def check(source: str, time_s: FloatArray, channels: Mapping[str, FloatArray], gauge_length_mm: float) -> None:
+def row_of_table(place: int) -> str:
+    """A row of a table in memory, which counts from 0 as pandas and numpy do."""
+    return f"row {place} (counting from 0)"
+
+
+def row_of_file(place: int) -> str:
+    """The same row where the table is a file with a header."""
+    return f"row {place + HEADER_ROWS}"
+
+
+def check(
+    source: str,
+    time_s: FloatArray,
+    channels: Mapping[str, FloatArray],
+    gauge_length_mm: float,
+    row: RowWords = row_of_table,
+    found: str = "",
+) -> None:
     """Raise `UserError` unless time increases, every value is finite and within `LIMITS`, and lengths agree.
 
     Parameters
@@ -36,24 +55,28 @@ def check(source: str, time_s: FloatArray, channels: Mapping[str, FloatArray], g
     time_s : ndarray, shape (n,)
     channels : mapping of str to ndarray, each shape (n,)
     gauge_length_mm : float
+    row : callable
+        What a message calls the row of a sample: `row_of_table` or `row_of_file`.
+    found : str
+        The columns that there are, for a message; default: the channels.
     """
     if DISPLACEMENT in channels:
         check_gauge_length(gauge_length_mm, source)
     if len(time_s) < 2:
         raise UserError(f"{source}: a recording needs at least 2 samples, got {len(time_s)}")
     if DISPLACEMENT not in channels and not _goes_without_displacement(channels):
-        have = ", ".join(channels) or "none"
+        have = found or ", ".join(channels) or "none"
         raise UserError(f"{source}: no column displacement_mm (found: {have}); name yours with `testbench import`")
-    _check_time(source, time_s)
+    _check_time(source, time_s, row)
     for name, values in channels.items():
         if len(values) != len(time_s):
             raise UserError(f"{source}: {name} has {len(values)} samples, time_s has {len(time_s)}")
-        _check_finite(source, name, values)
+        _check_finite(source, name, values, row)
         if name == RESISTANCE:
-            _refuse(source, values, values <= 0, f"{name} must be positive, got", f"; {DROP}")
-        _check_within(source, name, values)
+            _refuse(source, values, values <= 0, f"{name} must be positive, got", f"; {DROP}", row)
+        _check_within(source, name, values, row)
     if DISPLACEMENT in channels:
-        _check_strain(source, channels[DISPLACEMENT], gauge_length_mm)
+        _check_strain(source, channels[DISPLACEMENT], gauge_length_mm, row)
 
 
 def known_length(gauge_length_mm: float | None, source: str) -> float:
@@ -88,27 +111,29 @@ def _goes_without_displacement(channels: Mapping[str, FloatArray]) -> bool:
     return not overlooked and {FORCE, RESISTANCE} <= set(channels)
 
 
-def _check_time(source: str, time_s: FloatArray) -> None:
-    _check_finite(source, TIME, time_s)
-    _check_within(source, TIME, time_s)
+def _check_time(source: str, time_s: FloatArray, row: RowWords) -> None:
+    _check_finite(source, TIME, time_s, row)
+    _check_within(source, TIME, time_s, row)
     backwards = np.flatnonzero(np.diff(time_s) <= 0)
     if backwards.size:
-        row = int(backwards[0]) + 1
-        came = f"{time_s[row]:g} s after {time_s[row - 1]:g} s"
+        place = int(backwards[0]) + 1
+        came = f"{time_s[place]:g} s after {time_s[place - 1]:g} s"
         raise UserError(
-            f"{source}: row {row + HEADER_ROWS}: time must increase, got {came}; "
+            f"{source}: {row(place)}: time must increase, got {came}; "
             "`testbench import --sort` puts rows in order and drops repeated times (a data frame has sort_values)"
         )
 
 
-def _check_finite(source: str, name: str, values: FloatArray) -> None:
-    _refuse(source, values, ~np.isfinite(values), f"{name} is", f"; {DROP}")
+def _check_finite(source: str, name: str, values: FloatArray, row: RowWords) -> None:
+    _refuse(source, values, ~np.isfinite(values), f"{name} is", f"; {DROP}", row)
 
 
-def _check_within(source: str, name: str, values: FloatArray) -> None:
+def _check_within(source: str, name: str, values: FloatArray, row: RowWords) -> None:
     low, high = LIMITS.get(name, NO_LIMITS)
     remedy = f"check its unit (`testbench import` turns units into ours); where single rows are wrong, {DROP}"
-    _refuse(source, values, ~within(name, values), f"{name} is", f", and {low:g} to {high:g} is allowed; {remedy}")
+    _refuse(
+        source, values, ~within(name, values), f"{name} is", f", and {low:g} to {high:g} is allowed; {remedy}", row
+    )
 
 
 def within(name: str, values: FloatArray) -> np.ndarray:
@@ -117,20 +142,20 @@ def within(name: str, values: FloatArray) -> np.ndarray:
     return (values >= low) & (values <= high)
 
 
-def _refuse(source: str, values: FloatArray, bad: np.ndarray, what: str, remedy: str) -> None:
+def _refuse(source: str, values: FloatArray, bad: np.ndarray, what: str, remedy: str, row: RowWords) -> None:
     """Name the first of the bad values, its row, and how many there are; nothing where none is."""
-    rows = np.flatnonzero(bad)
-    if rows.size:
-        row = int(rows[0])
-        raise UserError(f"{source}: row {row + HEADER_ROWS}: {what} {values[row]:g} ({such(rows.size)}){remedy}")
+    places = np.flatnonzero(bad)
+    if places.size:
+        place = int(places[0])
+        raise UserError(f"{source}: {row(place)}: {what} {values[place]:g} ({such(places.size)}){remedy}")
 
 
-def _check_strain(source: str, displacement_mm: FloatArray, gauge_length_mm: float) -> None:
+def _check_strain(source: str, displacement_mm: FloatArray, gauge_length_mm: float, row: RowWords) -> None:
     furthest = int(np.argmax(np.abs(displacement_mm)))
     strain = abs(float(displacement_mm[furthest])) / gauge_length_mm
     if strain > MOST_STRAIN:
         raise UserError(
-            f"{source}: row {furthest + HEADER_ROWS}: a displacement of {displacement_mm[furthest]:g} mm at a gauge "
+            f"{source}: {row(furthest)}: a displacement of {displacement_mm[furthest]:g} mm at a gauge "
             f"length of {gauge_length_mm:g} mm is a strain of {strain:.3g}, and at most {MOST_STRAIN:g} is allowed; "
             "check the gauge length and the unit of the displacement"
         )

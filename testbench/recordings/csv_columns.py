@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
+from collections.abc import Container, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,9 +37,19 @@ def read_columns(path: Path, growing: bool = False) -> dict[str, np.ndarray]:
     UserError
         If the file is empty, is not comma-separated, or a cell is not a number.
     """
-    frame = read_frame(path, growing)
-    names = [name for name in frame.columns if not _is_remark(frame, name)]
+    return columns_of(path, read_frame(path, growing))
+
+
+def columns_of(path: Path, frame: pd.DataFrame) -> dict[str, np.ndarray]:
+    """The numeric columns of what was read from `path`, see `read_columns`."""
+    names = [name for name in frame.columns if not is_remark(name, frame[name])]
     return {name: _numbers(path, name, frame[name]) for name in names}
+
+
+def listed(names: Iterable[str], numeric: Container[str]) -> str:
+    """The columns that there are, for a message; those of text are marked, as nothing is read from them."""
+    there = (str(name) for name in names if not re.fullmatch(r"Unnamed: \d+", str(name)))
+    return ", ".join(name if name in numeric else f"{name} (text)" for name in there) or "none"
 
 
 def read_frame(path: Path, growing: bool = False) -> pd.DataFrame:
@@ -72,7 +83,7 @@ def _check_named(path: Path, frame: pd.DataFrame) -> None:
     The first column may have none: pandas writes the numbers of the rows there.
     """
     for number, name in enumerate(frame.columns):
-        if number and name == f"Unnamed: {number}" and not _is_remark(frame, name):
+        if number and name == f"Unnamed: {number}" and not is_remark(name, frame[name]):
             raise UserError(
                 f"{path}: row 1 ends in a comma or leaves a name out: column {number + 1} has numbers and no name; "
                 "name it, or turn the file into a recording with `testbench import`"
@@ -101,9 +112,9 @@ def _check_head(path: Path) -> None:
         raise UserError(f"{path}: {seen}; turn it into a recording with `testbench import`")
 
 
-def _is_remark(frame: pd.DataFrame, name: str) -> bool:
+def is_remark(name: str, column: pd.Series) -> bool:
     """Whether a column has no number from top to bottom (text, or a comma that ends each row); never one of ours."""
-    return str(name).strip() not in UNITS and bool(_parsed(frame[name]).isna().all())
+    return str(name).strip() not in UNITS and bool(_parsed(column).isna().all())
 
 
 def _parsed(column: pd.Series) -> pd.Series:

@@ -12,13 +12,16 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from gcode.support.files import atomic_writer
+from gcode.support.kinds import path_of
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME, UNITS
-from testbench.recordings.checks import known_length
-from testbench.recordings.csv_columns import read_columns
+from testbench.recordings.checks import check, known_length, row_of_file
+from testbench.recordings.csv_columns import columns_of, listed, read_frame
 from testbench.recordings.doubts import say_once
 from testbench.recordings.recording import Recording
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from testbench.recordings.manifest import Campaign
     from testbench.recordings.stored import Resource
 
@@ -45,7 +48,7 @@ def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Re
     UserError
         If the file is missing or malformed; the message names the file, the row and the remedy.
     """
-    path = Path(path)
+    path = path_of(path, "recording")
     if path.is_dir():
         return _load_campaign(path, gauge_length_mm)
     if not path.exists():
@@ -53,12 +56,12 @@ def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Re
     if _is_of_a_campaign(path):
         return _load_campaign(path.parent, gauge_length_mm)
     check_beside(path)
-    columns = read_columns(path)
-    if gauge_length_mm is None and DISPLACEMENT in columns:
+    frame = read_frame(path)
+    if gauge_length_mm is None and DISPLACEMENT in frame:
         raise UserError(
             f"{path}: a bare CSV does not know its gauge length; give --gauge-length-mm (in Python: gauge_length_mm)"
         )
-    return _recording(path, columns, known_length(gauge_length_mm, str(path)))
+    return _recording(path, frame, known_length(gauge_length_mm, str(path)))
 
 
 def _is_of_a_campaign(path: Path) -> bool:
@@ -70,13 +73,13 @@ def _is_of_a_campaign(path: Path) -> bool:
 
 def _load_campaign(folder: Path, gauge_length_mm: float | None) -> Recording:
     path, campaign = verified(folder)
-    columns = read_columns(path, growing=campaign.in_progress)
+    frame = read_frame(path, growing=campaign.in_progress)
     own_mm, given_mm = campaign.gauge_length_mm, known_length(gauge_length_mm, str(folder))
     if np.isnan(own_mm):
         own_mm = given_mm
     elif not np.isnan(given_mm) and given_mm != own_mm:
         say_once(f"{folder}: its manifest says a gauge length of {own_mm:g} mm, which is used, not {given_mm:g} mm")
-    return _recording(path, columns, own_mm, asdict(campaign))
+    return _recording(path, frame, own_mm, asdict(campaign))
 
 
 def verified(folder: Path) -> tuple[Path, Campaign]:
@@ -132,13 +135,18 @@ def _verify(folder: Path, path: Path, resources: Sequence[Resource]) -> None:
 
 
 def _recording(
-    path: Path, columns: dict[str, np.ndarray], gauge_length_mm: float, metadata: dict[str, Any] | None = None
+    path: Path, frame: pd.DataFrame, gauge_length_mm: float, metadata: dict[str, Any] | None = None
 ) -> Recording:
+    columns, names = columns_of(path, frame), list(map(str, frame.columns))
     if TIME not in columns:
-        raise UserError(f"{path}: no column {TIME} (found: {', '.join(columns)}); name yours with `testbench import`")
-    _check_names(path, list(columns))
+        raise UserError(
+            f"{path}: no column {TIME} (found: {listed(names, columns)}); name yours with `testbench import`"
+        )
+    _check_names(path, names)
     say_of_temperature(path, columns)
     time_s = columns.pop(TIME)
+    others = listed((name for name in names if name != TIME), columns)
+    check(str(path), time_s, columns, gauge_length_mm, row_of_file, others)
     return Recording(time_s, columns, gauge_length_mm, str(path), metadata or {})
 
 

@@ -11,10 +11,10 @@ from gcode.support.errors import UserError
 from gcode.support.files import atomic_path, make_folder, refuse_links, sha256_of
 from gcode.support.strict import blocks_of
 from testbench.campaigns.datasets.parquet_checksums import (
-    CHECKSUMS,
     PARQUET,
     Checksums,
     keep_only,
+    known_checksums,
     name_of,
     write_checksums,
 )
@@ -26,7 +26,8 @@ from testbench.recordings.files import read_recording
 if TYPE_CHECKING:
     import pyarrow as pa
 
-FINGERPRINT = b"knitbench_manifest_sha256"
+FINGERPRINT, SPECIMEN = b"knitbench_manifest_sha256", b"specimen"
+FIRST_COLUMNS = "campaign", "specimen", TIME
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,7 @@ def parts_of(out: Path, campaigns: Sequence[tuple[Path, str]]) -> list[Part]:
 
 
 def write_parts(out: Path, parts: Sequence[Part], workers: int = -1) -> int:
-    """Write all parts anew, each whole or not at all, and the checksums of all; how many.
+    """Write all parts that are not there already, each whole or not at all, and the checksums of all; how many.
 
     Raises
     ------
@@ -71,14 +72,18 @@ def write_parts(out: Path, parts: Sequence[Part], workers: int = -1) -> int:
     for folder in {part.file.parent for part in parts}:
         refuse_links((folder.parent, folder), "choose another place with -o")
         make_folder(folder)
-    (out / CHECKSUMS).unlink(missing_ok=True)
     keep_only(out / PARQUET, {part.file for part in parts})
+    channels, before = channels_of(parts), known_checksums(out)
+    sums = {name_of(part.file): before.get(name_of(part.file)) for part in parts}
     with_one_thread = {"inner_max_num_threads": 1}
-    channels = channels_of(parts)
-    sums = Parallel(n_jobs=workers, backend="loky", **with_one_thread)(
-        delayed(write_part)(one, channels) for one in parts
+    done = Parallel(n_jobs=workers, backend="loky", return_as="generator", **with_one_thread)(
+        delayed(make_part)(part, channels, sums[name_of(part.file)]) for part in parts
     )
-    write_checksums(out, {name_of(part.file): one for part, one in zip(parts, sums, strict=True)})
+    try:
+        for part, one in zip(parts, done, strict=True):
+            sums[name_of(part.file)] = one
+    finally:  # what is done by then is not done again
+        write_checksums(out, {name: one for name, one in sums.items() if one})
     return len(parts)
 
 
@@ -96,6 +101,23 @@ def columns_of(part: Part) -> list[str]:
     from pyarrow import parquet
 
     return parquet.read_schema(part.file).names
+
+
+def make_part(part: Part, channels: Sequence[str], known: Checksums | None) -> Checksums:
+    """Write one campaign, unless it is there already with the checksums that are known of it."""
+    return known if known and _is_there(part, channels, known) else write_part(part, channels)
+
+
+def _is_there(part: Part, channels: Sequence[str], known: Checksums) -> bool:
+    """Whether the file is the one that was written of this campaign, this specimen and these channels."""
+    from pyarrow import parquet
+
+    if not part.file.is_file() or sha256_of(part.file) != known.sha256:
+        return False
+    schema, of_campaign = parquet.read_schema(part.file), sha256_of(part.campaign / manifest.NAME)
+    told = schema.metadata or {}
+    as_told = told.get(FINGERPRINT) == of_campaign.encode() and told.get(SPECIMEN) == part.specimen.encode()
+    return as_told and known.manifest_sha256 == of_campaign and schema.names == [*FIRST_COLUMNS, *channels]
 
 
 def write_part(part: Part, channels: Sequence[str]) -> Checksums:
@@ -123,7 +145,7 @@ def table_of(part: Part, channels: Sequence[str], digest: str) -> pa.Table:
     }
     nothing = pa.nulls(count, pa.float64())
     table = pa.table({**said, TIME: recording.time_s, **{c: recording.channels.get(c, nothing) for c in channels}})
-    told = {FINGERPRINT: digest.encode(), b"gauge_length_mm": repr(float(recording.gauge_length_mm)).encode()}
+    told = {FINGERPRINT: digest, SPECIMEN: part.specimen, b"gauge_length_mm": repr(float(recording.gauge_length_mm))}
     return table.replace_schema_metadata(told)
 
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Set
+from contextlib import suppress
 from pathlib import Path
 
+from gcode.support.errors import UserError
 from gcode.support.files import refuse_links, sha256_of, write_json
 from gcode.support.strict import StrictModel, read_json, validated
 from testbench.campaigns.datasets.splits import SPLITS
@@ -89,6 +91,13 @@ def name_of(file: Path) -> str:
 def _checksums(out: Path) -> dict[str, Checksums]:
     path, what = out / CHECKSUMS, "list of checksums"
     return validated(read_json(path, what, MOST_BYTES), dict[str, Checksums], path, what)
+
+
+def known_checksums(out: Path) -> dict[str, Checksums]:
+    """The list of a data set, by name of the file; empty where there is none that can be read."""
+    with suppress(UserError):
+        return _checksums(out)
+    return {}
 
 
 def write_checksums(out: Path, sums: Mapping[str, Checksums]) -> None:

@@ -5,13 +5,15 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from statistics import mode
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from gcode.support.errors import UserError
 from gcode.support.strict import check_plain
@@ -63,6 +65,33 @@ class TextSheet(Sheet):
         except (pd.errors.ParserError, UnicodeError) as error:
             said = in_words(error, self.layout.first_row - 1)
             raise UserError(f"{self.path}: {said}; check the export, or name --separator") from None
+
+    @property
+    def parts_sentences(self) -> bool:
+        """Whether each word of a remark is a cell of its own."""
+        return self.separator == BLANKS
+
+    def blank(self, frame: pd.DataFrame) -> np.ndarray:
+        """Which rows of columns that `body` gave are empty.
+
+        pandas reads ``NaN`` as nothing, too; but between other rows that is a sample without a value.
+        """
+        nothing = super().blank(frame).copy()
+        inner = np.flatnonzero(nothing[: np.flatnonzero(~nothing).max(initial=0)])
+        if inner.size:
+            nothing[self._filled(set(inner.tolist()), [int(one) for one in frame.columns], len(frame))] = False
+        return nothing
+
+    def _filled(self, places: Set[int], numbers: Sequence[int], count: int) -> list[int]:
+        """Those of the rows that have a text in one of the columns; none where the rows are not the `count` lines."""
+        found, place = [], -1
+        with self.path.open(encoding=self.encoding) as stream:
+            for place, line in enumerate(stream, 1 - self.layout.first_row):
+                if place in places and line.strip():
+                    cells = _split([line], self.separator)[0]
+                    if any(number <= len(cells) and cells[number - 1].strip() for number in numbers):
+                        found.append(place)
+        return found if place + 1 == count else []
 
     @cached_property
     def _usual(self) -> int:
@@ -210,14 +239,14 @@ def _cells(lines: Sequence[str], separator: str) -> tuple[list[str], int]:
 
 
 def _worth(rows: Sequence[Sequence[str]], layout: Layout, wanted: Sequence[str]) -> tuple[float, ...]:
-    """What a separator makes of the file: all wanted names, rows of numbers, how pure they are, names, columns."""
+    """What a separator makes of the file: all wanted names, rows of numbers (the purer, the more), names, columns."""
     header = rows[layout.header_row - 1] if layout.header_row else []
     have = {cell.strip() for cell in header} | {column.heading.base for column in layout.columns}
     meanings = sum(bool(column.heading.roles) for column in layout.columns)
     data = [row for row in rows[layout.first_row - 1 :] if len(row) > 1 and is_data(row)]
     cells = [cell for row in data for cell in row if cell.strip()]
     pure = sum(is_number(cell) or is_when(cell) for cell in cells) / max(1, len(cells))
-    return all(name in have for name in wanted), len(data), round(pure, 2), meanings, len(layout.columns)
+    return all(name in have for name in wanted), round(len(data) * pure, 1), meanings, len(layout.columns)
 
 
 def _decimal(path: Path, rows: Sequence[Sequence[str]], layout: Layout, separator: str) -> str:

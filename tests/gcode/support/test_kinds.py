@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from gcode import Limits
 from gcode.support.errors import UserError
-from gcode.support.kinds import instance, number
+from gcode.support.kinds import instance, number, path_of
 
 
 @pytest.mark.parametrize("value", [1, 1.0, np.float32(1), np.int64(1)])
@@ -34,3 +36,10 @@ def test_a_mapping_is_no_object_of_the_class_that_takes_it():
         instance("limits", {"v_max_mm_per_s": 5}, Limits)
     with pytest.raises(UserError, match=r"limits must be of the class Limits, got str$"):
         instance("limits", "fast", Limits)
+
+
+def test_an_empty_text_is_no_path():
+    """It was the folder one is in, and what a command does with that."""
+    with pytest.raises(UserError, match="got an empty text, not the path of a campaign; name it"):
+        path_of("", "campaign")
+    assert path_of(".") == path_of(Path()) == Path()

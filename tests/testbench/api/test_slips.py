@@ -55,6 +55,18 @@ SLIPS = {
         lambda: tb.read(pd.DataFrame(TIMES | {"force_N": [0, np.nan, 2]}), 25),
         "force_N is nan (1 such row); `testbench import --drop-bad` leaves them out (in a data frame, select the",
     ),
+    "a gap, and where a data frame has it": (
+        lambda: tb.read(pd.DataFrame(TIMES | {"force_N": [0, 1, np.nan]}), 25),
+        "row 2 (counting from 0): force_N is nan",
+    ),
+    "a time of day, and all columns that there are": (
+        lambda: tb.read(pd.DataFrame({"time": ["00:01", "00:02"], "displacement_mm": [0, 1], "cycle": [1, 1]}), 25),
+        "read: no column time_s (found: time (text), displacement_mm, cycle)",
+    ),
+    "a number among remarks": (
+        lambda: tb.read(TIMES | {"note": ["a", "1", "b"]}, 25),
+        "read: note must be numbers, could not convert string to float: 'a'; convert it, or leave it out",
+    ),
     "rows of a recording": (
         lambda: tb.example(duration_s=20)[0:5],
         "no channel slice(0, 5, None); it has displacement_mm",
@@ -101,6 +113,8 @@ SLIPS = {
     ),
     "effects that are none": (lambda: tb.fit("a.csv", effects=7), "classes of your own effects, got 7"),
     "a number for a file": (lambda: gcode.read(5), "got int, not the path of a program"),
+    "nothing for a recording": (lambda: tb.read("", 25), "got an empty text, not the path of a recording; name it"),
+    "nothing for a campaign": (lambda: tb.verify(""), "got an empty text, not the path of a campaign; name it"),
     "a number for a campaign": (lambda: tb.verify(5), "got int, not the path of a campaign"),
     "a number for a folder": (lambda: gcode.generate("paper-1", seed=1, duration_s=20).write(5), "path of a folder"),
     "a number for the campaigns to make": (lambda: tb.dataset(5, "knits"), "got int, not the path of a TOML file"),
@@ -268,3 +282,11 @@ def test_values_without_a_name_are_a_sentence(tmp_path):
         gcode.Hold(5)
     with pytest.raises(tb.UserError, match="effect: must be a name such as 'stress_relaxation', got"):
         tb.hide(tb.effects.StressRelaxation(), tmp_path / "case")
+
+
+@pytest.mark.parametrize("note", [["a", "b", "c"], ["a", None, None], pd.Categorical(["a", "b", "a"])])
+def test_remarks_are_left_out_of_a_data_frame_as_of_a_file(tmp_path, note):
+    table = pd.DataFrame(TIMES | {"force_N": [0, 1, 2], "note": note})
+    table.to_csv(tmp_path / "a.csv", index=False)
+    for source in (table, tmp_path / "a.csv"):
+        assert list(tb.read(source, 25).channels) == ["displacement_mm", "force_N"]

@@ -25,11 +25,22 @@ def test_blank_lines_are_no_samples_of_a_rate(tmp_path, end):
     assert recording.time_s.tolist() == pytest.approx([0, 0.1, 0.2, 0.3])
 
 
-@pytest.mark.parametrize("lost", ["2,OL,2", "OL,2,2", ",,2"])
+@pytest.mark.parametrize("lost", ["2,OL,2", "OL,2,2", ",,2", "NaN,NaN,2", "nan,NA,NaN"])
 def test_a_row_that_is_left_out_was_a_sample_of_a_rate(tmp_path, lost):
     rows = ["Displacement (mm),Force (N),Cycle", "0,0,2", "1,1,2", lost, "3,3,2"]
     done = import_csv(written(tmp_path, "\n".join(rows)), Wish(40.0, rate_hz=10.0, drop_bad=True))
     assert done.recording.time_s.tolist() == pytest.approx([0, 0.1, 0.3])
+
+
+def test_rows_of_no_number_between_others_are_no_blank_lines(tmp_path):
+    """They were left out without a word, and what followed came too early."""
+    rows = [*RATED[:2], "NaN,NaN", "", "NaN,NaN", *RATED[3:], "NaN,NaN"]
+    path = written(tmp_path, "\n".join(rows) + "\n")
+    with pytest.raises(UserError, match=r"row 3: displacement_mm must be a finite number, got nan \(2 such rows\)"):
+        import_csv(path, Wish(40.0, rate_hz=10.0))
+    done = import_csv(path, Wish(40.0, rate_hz=10.0, drop_bad=True))
+    assert done.recording.time_s.tolist() == pytest.approx([0, 0.3, 0.4])
+    assert done.dropped == 2
 
 
 def blanks(*changed):
@@ -50,6 +61,13 @@ def test_a_missing_cell_between_blanks_does_not_move_the_others(tmp_path):
     assert recording["force_N"].tolist() == pytest.approx([0, 0.2, 0.6, 0.8, 1.0, 1.2, 1.4])
 
 
+def test_a_remark_between_blanks_is_no_other_table(tmp_path):
+    path = written(tmp_path, blanks((2, "paused by an operator")))
+    with pytest.raises(UserError, match=r"row 4: Time\(s\) must be a number, got 'paused'.*--drop"):
+        import_csv(path, Wish(40.0))
+    assert len(import_csv(path, Wish(40.0, drop_bad=True)).recording) == 7
+
+
 def test_a_last_cell_that_is_no_number_and_a_blank_line_are_no_missing_cell(tmp_path):
     for last in ("  0.7   3.50   1.40      nan", ""):
         recording = import_csv(written(tmp_path, blanks((7, last))), Wish(40.0)).recording
@@ -62,7 +80,9 @@ def kiloohm(*below):
     )
 
 
-@pytest.mark.parametrize("again", ["Time (s),Displacement (mm),R (MOhm)", "Time,Displacement (mm),R (kOhm)"])
+@pytest.mark.parametrize(
+    "again", ["Time (s),Displacement (mm),R (MOhm)", "Time,Displacement (mm),R (kOhm)", "No.,Pmax,Pmin"]
+)
 def test_names_with_one_other_unit_begin_another_table(tmp_path, again):
     """With --drop-bad the row of names was left out, and megaohms were read as kiloohms."""
     with pytest.raises(UserError, match="row 4 has other names or units"):
@@ -127,3 +147,58 @@ def test_signs_that_were_turned_are_not_advised_to_be_turned_again(tmp_path, sig
     path = written(tmp_path, "Time (s),Displacement (mm),Force (N)\n" + rows)
     done = import_csv(path, Wish(40.0, negate=frozenset(negate)))
     assert any(said in doubt for doubt in done.doubts)
+
+
+REMARKS = {
+    "a remark": "paused by operator",
+    "a remark behind a sign": "# paused by operator",
+    "two remarks": "paused\nresumed; all is well",
+    "no values": "---,---,---",
+    "a meter out of range for a while": "\n".join(["2.55,OL,OL"] * 12),
+    "a row cut short": "2.55",
+    "the names once more": "Time (s),Displacement (mm),Force (N)",
+}
+
+
+@pytest.mark.parametrize("place", [2, 30])
+@pytest.mark.parametrize("name", REMARKS)
+def test_a_row_between_others_is_a_row_that_cannot_be_used(tmp_path, name, place):
+    """Near the top it ended the table: no names were found, and the rows above it were left out without a word."""
+    names, *rows = timed(*[0.1 * n for n in range(90)]).splitlines()
+    path = written(tmp_path, "\n".join([names, *rows[: place - 1], *REMARKS[name].split("\n"), *rows[place - 1 :]]))
+    with pytest.raises(UserError, match=rf"row {place + 1}: .*; --drop-bad leaves"):
+        import_csv(path, Wish(40.0))
+    done = import_csv(path, Wish(40.0, drop_bad=True))
+    assert len(done.recording) == 90
+    assert done.dropped == len(REMARKS[name].split("\n"))
+
+
+def test_the_same_names_above_a_second_test_do_not_hide_the_first(tmp_path):
+    first, again = timed(*FIRST[:20]), timed(*FIRST, *[0.1 * n for n in range(40, 99)])
+    path = written(tmp_path, f"Test 1\n{first}\nTest 2\n{again}")
+    with pytest.raises(UserError, match=r"row 24: Time \(s\) must be a number, got 'Test 2'"):
+        import_csv(path, Wish(40.0))
+    with pytest.raises(UserError, match=r"row 26: .*the time starts again there.*part it"):
+        import_csv(path, Wish(40.0, drop_bad=True))
+
+
+def test_a_value_beyond_all_limits_is_named_by_its_row_in_the_file(tmp_path):
+    """It was counted as if the names stood in row 1 and no row had been left out."""
+    text = timed(*FIRST).replace("0.50,0.50,1", "x,,").replace("0.70,0.70,1", "0.70,900,1")
+    with pytest.raises(UserError, match=r"row 11: a displacement of 900 mm"):
+        import_csv(written(tmp_path, f"Title\n\n{text}"), Wish(40.0, drop_bad=True))
+
+
+def test_whole_seconds_at_a_higher_rate_are_not_advised_to_be_sorted(tmp_path):
+    """Following the advice left 3 of 60 rows."""
+    rows = "".join(f"23:59:{57 + n // 20},{n},1\n" for n in range(60))
+    path = written(tmp_path, "Time,Displacement (mm),Force (N)\n" + rows)
+    with pytest.raises(
+        UserError, match=r"57 of 60 rows have the time of the row above.* say --rate-hz F.*\(on average 20\)"
+    ):
+        import_csv(path, Wish(40.0))
+    recording = import_csv(path, Wish(40.0, columns={"time": "none"}, rate_hz=20.0)).recording
+    assert recording.time_s[[0, 1, -1]].tolist() == pytest.approx([0, 0.05, 2.95])
+    seldom = timed(*FIRST, FIRST[-1])
+    with pytest.raises(UserError, match="; --sort puts rows in order and drops repeated times"):
+        import_csv(written(tmp_path, seldom), Wish(40.0))

@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 
 from gcode.support.errors import UserError
 from testbench.api.files.verifying import verify
+from testbench.campaigns.datasets import parquet
 from testbench.campaigns.datasets.dataset import drop_stale_parquet, make, write_index, write_parquet
-from testbench.campaigns.datasets.parquet_checksums import CHECKSUMS
+from testbench.campaigns.datasets.parquet_checksums import CHECKSUMS, parquet_problems
 from testbench.campaigns.datasets.splits import SPLITS, split_of
 from testbench.campaigns.datasets.tasks import Task
 from testbench.knit.catalogue import baseline
@@ -113,6 +114,56 @@ def test_what_was_changed_or_broken_is_written_anew_and_what_is_stale_goes(made)
     write_parquet(out, tasks, workers=1)
     assert not stale.exists()
     assert [file.read_bytes() for file in files] == before
+
+
+def test_what_is_there_is_not_written_again(made, tmp_path):
+    """Every file was written anew by each run, though the page of data sets says that a run resumes."""
+    out = tmp_path / "d"
+    shutil.copytree(made[0], out)
+    tasks = [replace(task, folder=out / task.folder.name) for task in made[1]]
+    files = sorted((out / "parquet").rglob("*.parquet"))
+    before = [file.stat().st_mtime_ns for file in files]
+    assert write_parquet(out, tasks, workers=1) == 6
+    assert [file.stat().st_mtime_ns for file in files] == before
+    make(replace(next(task for task in tasks if task.folder.name == files[2].stem), seed=9))
+    files[4].unlink()
+    write_parquet(out, tasks, workers=1)
+    now = [file.stat().st_mtime_ns for file in files]
+    assert [one == other for one, other in zip(before, now, strict=True)] == [True, True, False, True, False, True]
+    assert not parquet_problems(out)
+
+
+def test_a_specimen_of_another_name_and_a_broken_list_are_written_anew(made, tmp_path):
+    import pandas as pd
+
+    out = tmp_path / "d"
+    shutil.copytree(made[0], out)
+    tasks = [replace(task, folder=out / task.folder.name, specimen=f"{task.specimen}#1") for task in made[1]]
+    write_parquet(out, tasks, workers=1)
+    assert set(pd.read_parquet(out / "parquet").specimen) == {"s0#1", "s1#1", "s2#1"}
+    (out / CHECKSUMS).write_text("{", encoding="utf-8")
+    write_parquet(out, tasks, workers=1)
+    assert not parquet_problems(out)
+
+
+def test_what_was_written_before_a_break_is_not_written_again(made, tmp_path, monkeypatch):
+    out = tmp_path / "d"
+    shutil.copytree(made[0], out)
+    tasks = [replace(task, folder=out / task.folder.name) for task in made[1]]
+    shutil.rmtree(out / "parquet")
+    (out / CHECKSUMS).unlink()
+    write, broken = parquet.write_part, tasks[3].folder
+    monkeypatch.setattr(
+        parquet, "write_part", lambda part, channels: write(part, channels) if part.campaign != broken else 1 / 0
+    )
+    with pytest.raises(ZeroDivisionError):
+        write_parquet(out, tasks, workers=1)
+    there = {file: file.stat().st_mtime_ns for file in (out / "parquet").rglob("*.parquet")}
+    assert len(there) == 3
+    monkeypatch.undo()
+    write_parquet(out, tasks, workers=1)
+    assert {file: file.stat().st_mtime_ns for file in there} == there
+    assert not parquet_problems(out)
 
 
 def test_nothing_is_written_or_removed_through_a_link(made, tmp_path):
