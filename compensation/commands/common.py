@@ -46,7 +46,7 @@ def read_all(args: argparse.Namespace, target: str) -> list[Recording]:
 
 
 def check_long_enough(source: str, compensator: TrainedCompensator, duration_s: float) -> None:
-    """Refuse a recording shorter than the slowest memory: it is all beginning."""
+    """Refuse a recording of which less was recorded than the slowest memory lasts: it is all beginning."""
     from gcode.support.errors import UserError
 
     if duration_s < compensator.slowest_s:

@@ -34,7 +34,7 @@ def run(args: argparse.Namespace) -> int:
     from compensation.commands.common import check_long_enough, check_places
     from compensation.model.files import load
     from compensation.model.prediction import predicted
-    from compensation.series.preprocessing import TARGETS
+    from compensation.series.preprocessing import TARGETS, recorded_duration_s
     from compensation.series.reading import read_samples
     from gcode.support.files import atomic_path
 
@@ -42,8 +42,8 @@ def run(args: argparse.Namespace) -> int:
     compensator = load(args.compensator)
     _check_target(args, compensator)
     time_s, resistance_ohm = read_samples(args.recording)
-    known_s = time_s[np.isfinite(time_s)]
-    check_long_enough(args.recording, compensator, float(np.ptp(known_s)) if len(known_s) else 0.0)
+    known_s = np.sort(time_s[np.isfinite(time_s)])
+    check_long_enough(args.recording, compensator, recorded_duration_s(known_s) if len(known_s) else 0.0)
     found = predicted(compensator, time_s, resistance_ohm)
     name, unit = TARGETS[compensator.target]
     frame = pd.DataFrame(

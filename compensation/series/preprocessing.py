@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
-from testbench.recordings.recording import Recording
+from testbench.recordings.recording import Recording, gaps_in
 
 TARGETS = {"force": (FORCE, "N"), "displacement": (DISPLACEMENT, "mm")}
 SHORTEST_RECORDING_S = 10.0
@@ -64,10 +64,10 @@ def series_of(recording: Recording, target: str, rate_hz: float | None) -> Serie
         If a channel is missing, constant, or the recording is too short.
     """
     channel = _present(recording, target)
-    if recording.duration_s < SHORTEST_RECORDING_S:
+    duration_s = recorded_duration_s(recording.time_s)
+    if duration_s < SHORTEST_RECORDING_S:
         raise UserError(
-            f"{recording.source}: {recording.duration_s:.1f} s long; "
-            f"a compensator needs at least {SHORTEST_RECORDING_S:.0f} s"
+            f"{recording.source}: {duration_s:.1f} s long; a compensator needs at least {SHORTEST_RECORDING_S:.0f} s"
         )
     series = _sampled(recording, channel, rate_hz)
     for name, values in ((RESISTANCE, series.conductance_S), (channel, series.truth)):
@@ -114,6 +114,24 @@ def _sampled(recording: Recording, channel: str, rate_hz: float | None) -> Serie
     for start_s, end_s in gaps:
         recorded &= (whole.time_s <= start_s) | (whole.time_s >= end_s)
     return whole.rows(np.flatnonzero(recorded))
+
+
+def recorded_time_s(time_s: FloatArray) -> FloatArray:
+    """Time in s since the first sample, during which something was recorded: as if the gaps were closed.
+
+    Parameters
+    ----------
+    time_s : ndarray, shape (n,)
+        Increasing.
+    """
+    gaps = np.reshape(gaps_in(time_s), (-1, 2))
+    missing_s = np.concatenate([[0.0], np.cumsum(np.diff(gaps))])
+    return time_s - time_s[0] - missing_s[np.searchsorted(gaps[:, 1], time_s, side="right")]
+
+
+def recorded_duration_s(time_s: FloatArray) -> float:
+    """How long something was recorded, from the first sample to the last."""
+    return float(recorded_time_s(time_s)[-1])
 
 
 def stands_still(values: FloatArray) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from compensation.training.options import Options
 from compensation.training.training import train
 from gcode.support.errors import UserError
 from testbench.recordings.files import write_recording_csv
+from tests.compensation.conftest import paused
 
 
 @pytest.fixture(scope="module")
@@ -207,3 +209,12 @@ def test_a_recording_shorter_than_the_slowest_memory_is_refused(compensator, rec
     for argv in (predicting(tmp_path), ["score", str(tmp_path / "c.json"), str(tmp_path / "r.csv")]):
         assert main(argv) == 2
         assert f"slowest memory has {compensator.slowest_s:.0f} s" in capsys.readouterr().err
+
+
+def test_a_gap_makes_no_recording_long_enough(compensator, recordings, tmp_path, capsys):
+    compensator_files.save(tmp_path / "c.json", compensator)
+    write_recording_csv(tmp_path / "r.csv", paused(recordings[1].between(0, 20), 10, 60))
+    training = ["train", str(tmp_path / "r.csv"), "--target", "force", "-o", str(tmp_path / "new.json")]
+    for argv in (predicting(tmp_path), ["score", str(tmp_path / "c.json"), str(tmp_path / "r.csv")], training):
+        assert main(argv) == 2
+        assert re.search(r"r.csv: 20\.0 s long|longest recording has 20 s", capsys.readouterr().err)
