@@ -15,6 +15,10 @@ PICTURES = (".png", ".pdf", ".svg")
 WIDEST, DEEPEST = 256, 8
 # Of r2: so much lost to gain and zero is worth a word.
 MUCH = 0.05
+NOTHING_KNOWN = (
+    "no sample has a conductance that the training had: is resistance_ohm in ohm, and the sensor one of the kind "
+    "that was trained on?"
+)
 
 
 def add_recordings(parser: argparse.ArgumentParser) -> None:

@@ -65,6 +65,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _print_status(status: IntArray) -> None:
     """One line for each doubt that the compensator had, with the share of the samples that it holds for."""
+    from compensation.commands.common import NOTHING_KNOWN
     from compensation.model.runtime import Status
 
     for flag in Status:
@@ -73,7 +74,7 @@ def _print_status(status: IntArray) -> None:
             print(f"  {_percent(share)} {WORDS[flag.name or '']} (status {int(flag)})")
     good = status & int(Status.BAD_READING | Status.BAD_STEP) == 0
     if good.any() and (status[good] & int(Status.UNSEEN_READING)).all():
-        print(NOTHING_KNOWN)
+        print(f"  {NOTHING_KNOWN}")
 
 
 def _check_target(args: argparse.Namespace, compensator: TrainedCompensator) -> None:
@@ -92,10 +93,6 @@ def _percent(share: float) -> str:
     return f"{share:.1%}" if share >= 0.0005 else "under 0.1%"
 
 
-NOTHING_KNOWN = (
-    "  no sample has a conductance that the training had: is resistance_ohm in ohm, and the sensor one of the kind "
-    "that was trained on?"
-)
 WORDS = {
     "BAD_READING": "with a resistance that is no positive number: the last value is repeated",
     "BAD_STEP": "with a time that is out of order: the last value is repeated",

@@ -69,7 +69,7 @@ def series_of(recording: Recording, target: str, rate_hz: float | None) -> Serie
         raise UserError(
             f"{recording.source}: {duration_s:.1f} s long; a compensator needs at least {SHORTEST_RECORDING_S:.0f} s"
         )
-    series = _sampled(recording, channel, rate_hz)
+    series = sampled(recording, channel, rate_hz)
     for name, values in ((RESISTANCE, series.conductance_S), (channel, series.truth)):
         if stands_still(values):
             absent = "" if values.any() else " (zero throughout, as where the file has no such column)"
@@ -91,7 +91,7 @@ def reference_of(recording: Recording, target: str, rate_hz: float | None) -> Se
             f"{recording.source}: {channel} is zero throughout, as where the file has no such column; if the sensor "
             "rests without load there, say so with --rest"
         )
-    return _sampled(recording, channel, rate_hz)
+    return sampled(recording, channel, rate_hz)
 
 
 def _present(recording: Recording, target: str) -> str:
@@ -104,7 +104,8 @@ def _present(recording: Recording, target: str) -> str:
     return channel
 
 
-def _sampled(recording: Recording, channel: str, rate_hz: float | None) -> Series:
+def sampled(recording: Recording, channel: str, rate_hz: float | None) -> Series:
+    """Conductance and one channel of a recording on a grid (None: as sampled), without points in a gap."""
     gaps = recording.gaps
     if rate_hz is not None:
         # Resistance is what was measured: interpolate it, then invert, as the paper does.
