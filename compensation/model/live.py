@@ -34,7 +34,8 @@ class LiveCompensator:
     Raises
     ------
     UserError
-        If the file is no compensator, or one that cannot run sample by sample.
+        If the file is no compensator, or one that cannot run sample by sample; if what is kept there already is of
+        another target.
 
     Attributes
     ----------
@@ -47,9 +48,24 @@ class LiveCompensator:
         self.unit, self._channel = compensator.unit, TARGETS[compensator.target][0]
         self._stream = CompensatorStream(compensator)
         self._folder, self._refused = Path(folder), False
+        self._header = f"time_s,{self._channel},low_{self.unit},high_{self.unit},status\n"
+        self._check_kept(path)
         self._file: int | None = None
         self._last_us: int | None = None
         self._odd_us: int | None = None
+
+    def _check_kept(self, compensator: str | Path) -> None:
+        """Refuse to go on with a table of another target; what cannot be read is not written to either."""
+        place = self._folder / COMPENSATED
+        if not place.is_file():
+            return
+        with contextlib.suppress(OSError), place.open(encoding="utf-8", errors="replace") as file:
+            kept = file.readline(2 * len(self._header))
+            if not self._header.startswith(kept):
+                raise UserError(
+                    f"{place}: begins with {kept.strip()!r}, and --compensator {compensator} would go on with "
+                    f"{self._header.strip()!r}; give the compensator that it was begun with, or none"
+                )
 
     def follow(self, row: Row) -> tuple[float, str]:
         """The value after this row of the recorder, and its unit."""
@@ -98,7 +114,7 @@ class LiveCompensator:
             if self._file is None:
                 self._file = disk.open_growing(self._folder / COMPENSATED)
                 if not _cut_half_line(self._file):
-                    line = f"time_s,{self._channel},low_{self.unit},high_{self.unit},status\n{line}"
+                    line = self._header + line
             disk.write_all(self._file, line.encode())
         except (OSError, UserError) as error:
             self._refused = True
