@@ -107,13 +107,13 @@ def _traces(part: Series, prediction: np.ndarray, sign: float) -> dict[str, Any]
 
     def cut(rows: np.ndarray | slice) -> dict[str, list[float]]:
         columns = {
-            "time_s": part.time_s,
             "F": part.truth,
             "G": part.conductance_S,
             "G_rescaled": raw,
             "p": prediction,
         }
-        return {name: [float(f"{value:.6g}") for value in column[rows]] for name, column in columns.items()}
+        shown = {name: [float(f"{value:.6g}") for value in column[rows]] for name, column in columns.items()}
+        return {"time_s": np.round(part.time_s[rows], 6).tolist(), **shown}
 
     step = -(-len(part) // TRACE_POINTS)
     return {"trace": cut(slice(None, None, step)), "zooms": [cut(rows) for rows in _windows(part.time_s)]}

@@ -25,6 +25,17 @@ def test_a_window_without_samples_is_left_out(recordings):
     assert all(zoom["time_s"] for zoom in row["zooms"])
 
 
+def test_a_trace_keeps_its_times(recordings):
+    """Seconds since 1970, to the microsecond."""
+    compensator = train(recordings[:1], "force", Options(sizes=(2,), restarts=1, engine="fast"))
+    since_1970 = replace(recordings[1], time_s=recordings[1].time_s + 1.7e9)
+    (row,) = score_recordings(compensator, [since_1970])["recordings"]
+    for trace in (row["trace"], *row["zooms"]):
+        steps_s = np.diff(trace["time_s"])
+        assert steps_s.min() == pytest.approx(steps_s.max(), abs=2e-6)
+    assert row["trace"]["time_s"][0] == pytest.approx(since_1970.time_s[0], abs=1e-6)
+
+
 def test_a_gap_is_no_part_of_a_score(recordings):
     """Over ten minutes of nothing the grid has straight lines, which nobody has measured."""
     compensator = train(recordings[:1], "force", Options(sizes=(2,), restarts=1, engine="fast"))
