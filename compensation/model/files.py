@@ -171,7 +171,9 @@ def load(path: str | Path) -> TrainedCompensator:
             f"{path}: not a compensator (its format must be {FORMAT!r}); make one with `compensation train`"
         )
     if data.get("version") not in READABLE:
-        known = " and ".join(map(str, READABLE))
+        from testbench.comparing.words import listed  # heavy, and needed for this sentence only
+
+        known = listed([str(version) for version in READABLE])
         raise UserError(f"{path}: compensator version {data.get('version')!r}; this knitbench reads {known}")
     try:
         checked = _File.model_validate(data)
