@@ -12,8 +12,10 @@ from typing import Any
 import numpy as np
 
 from compensation.model.compensator import TrainedCompensator
+from compensation.model.prediction import predicted
 from compensation.series import score
 from compensation.series.preprocessing import Series, series_of
+from gcode.support.arrays import FloatArray
 from testbench.recordings.recording import Recording
 
 FORMAT, FORMAT_VERSION = "knitbench-score", 1
@@ -30,8 +32,7 @@ def score_recordings(compensator: TrainedCompensator, recordings: Sequence[Recor
     dict
         JSON-ready; see docs/compensation.md.
     """
-    series = [series_of(rec, compensator.target, compensator.resampling_hz) for rec in recordings]
-    rows = [_score_one(compensator, part) for part in series]
+    rows = [_score_one(compensator, recording) for recording in recordings]
     held_out = [row for row in rows if row["role"] == "held-out"]
     return {
         "format": FORMAT,
@@ -73,13 +74,14 @@ def _role(recipe: Mapping[str, Any], part: Series) -> str:
     return "reference" if reference and _is_of(part, reference) else "held-out"
 
 
-def _score_one(compensator: TrainedCompensator, part: Series) -> dict[str, Any]:
-    prediction = compensator.in_use.predict_series(part)
+def _score_one(compensator: TrainedCompensator, recording: Recording) -> dict[str, Any]:
+    learned = series_of(recording, compensator.target, compensator.resampling_hz)
+    part, prediction = _as_it_runs(compensator, recording, learned)
     before = score.r2_before(part.truth, part.conductance_S, compensator.sign)
     after = score.r2(part.truth, prediction)
     return {
         "source": part.source,
-        "role": _role(compensator.recipe, part),
+        "role": _role(compensator.recipe, learned),
         "duration_s": float(part.time_s[-1] - part.time_s[0]),
         "samples": len(part),
         "r2_before": before,
@@ -92,6 +94,17 @@ def _score_one(compensator: TrainedCompensator, part: Series) -> dict[str, Any]:
         "rms_error": float(np.sqrt(np.mean((part.truth - prediction) ** 2))),
         **_traces(part, prediction, compensator.sign),
     }
+
+
+def _as_it_runs(compensator: TrainedCompensator, recording: Recording, learned: Series) -> tuple[Series, FloatArray]:
+    """What is scored, and the prediction of it: as `learned`, but of a slower recording than that its own samples.
+
+    Between them, the grid that is learned from has straight lines to the next sample, which nobody in use knows.
+    """
+    if compensator.per_recording or recording.mean_rate_hz >= compensator.rate_hz:
+        return learned, compensator.in_use.predict_series(learned)
+    own = series_of(recording, compensator.target, None)
+    return own, predicted(compensator, own.time_s, 1.0 / own.conductance_S).value
 
 
 def _summary(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:

@@ -7,8 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compensation.model.prediction import predicted
 from compensation.model.streaming import CompensatorStream
 from compensation.scoring.scorecard import score_recordings
+from compensation.series import score
 from compensation.series.preprocessing import series_of
 from compensation.training.options import Options
 from compensation.training.recalibration import recalibrated
@@ -23,6 +25,17 @@ def test_a_window_without_samples_is_left_out(recordings):
     (row,) = score_recordings(replace(compensator, start="causal", irregular=True), [paused])["recordings"]
     assert len(row["zooms"]) == 2
     assert all(zoom["time_s"] for zoom in row["zooms"])
+
+
+@pytest.mark.parametrize("rate_hz", [1.0, 5.0])
+def test_a_slow_recording_is_scored_as_it_is_predicted(recordings, rate_hz):
+    """On a grid between its samples a straight line would show the next one in advance."""
+    slow = recordings[1].resampled(rate_hz)
+    compensator = train([slow], "force", Options(sizes=(2,), restarts=1, engine="fast"))
+    told = predicted(compensator, slow.time_s, slow["resistance_ohm"]).value
+    (row,) = score_recordings(compensator, [slow])["recordings"]
+    assert (row["role"], row["samples"]) == ("training", len(slow))
+    assert row["r2_after"] == pytest.approx(score.r2(slow["force_N"], told), abs=1e-12)
 
 
 def test_a_trace_keeps_its_times(recordings):
