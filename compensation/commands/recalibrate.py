@@ -42,7 +42,7 @@ def run(args: argparse.Namespace) -> int:
     _say_if_unseen(compensator, part)
     found = recalibrated(compensator, part)
     save(args.output, found)
-    note, unit = found.recipe["recalibrated"], compensator.unit
+    note, unit = found.recipe["recalibrated"][-1], compensator.unit
     print(
         f"{note['seconds']:.0f} s of reference: RMS {note['rms_before']:.3f} -> {note['rms_after']:.3f} {unit}\n"
         f"  conductance: gain {note['gain_in']:.3f}, zero {note['shift_in']:+.3f} standard deviations\n"

@@ -12,7 +12,8 @@ from compensation.model.runtime import LONGEST_STEP_S, SHORTEST_STEP_S, Status
 from compensation.model.streaming import CompensatorStream
 from compensation.series.preprocessing import TARGETS
 from gcode.support import disk
-from gcode.support.errors import UserError
+from gcode.support.errors import MOST_SHOWN, UserError
+from gcode.support.strict import blocks_of
 from testbench.campaigns.campaign import COMPENSATED
 from testbench.rig.protocol.file_lines import seconds
 from testbench.rig.protocol.items import Row
@@ -55,17 +56,17 @@ class LiveCompensator:
         self._odd_us: int | None = None
 
     def _check_kept(self, compensator: str | Path) -> None:
-        """Refuse to go on with a table of another target; what cannot be read is not written to either."""
+        """Refuse to go on with a table of another target; a first line that a kill left half is cut later."""
         place = self._folder / COMPENSATED
         if not place.is_file():
             return
-        with contextlib.suppress(OSError), place.open(encoding="utf-8", errors="replace") as file:
-            kept = file.readline(2 * len(self._header))
-            if not self._header.startswith(kept):
-                raise UserError(
-                    f"{place}: begins with {kept.strip()!r}, and --compensator {compensator} would go on with "
-                    f"{self._header.strip()!r}; give the compensator that it was begun with, or none"
-                )
+        first_block = next(blocks_of(place, "compensated signal"), b"")
+        kept = b"".join(first_block.splitlines(keepends=True)[:1]).decode(errors="replace")
+        if not self._header.startswith(kept):
+            raise UserError(
+                f"{place}: begins with {kept.strip()[:MOST_SHOWN]!r}, and --compensator {compensator} would go on "
+                f"with {self._header.strip()!r}; give the compensator that it was begun with, or none"
+            )
 
     def follow(self, row: Row) -> tuple[float, str]:
         """The value after this row of the recorder, and its unit."""

@@ -5,7 +5,7 @@ Its shape is documented in docs/compensation.md; `testbench` reads the file and 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -50,15 +50,24 @@ def score_recordings(compensator: TrainedCompensator, recordings: Sequence[Recor
     }
 
 
-def _trained_on(recipe: Mapping[str, Any], part: Series) -> bool:
-    """Whether a recording was learned from, by its content; by its path where an older file says no more.
+def _beginnings(part: Series, lengths: Iterable[int]) -> list[Series]:
+    """A recording, and what it was when it had so many samples: one that has grown since begins as it did."""
+    return [part, *(part.rows(np.arange(length)) for length in set(lengths) if length < len(part))]
 
-    One that has grown since begins as it did.
-    """
+
+def _trained_on(recipe: Mapping[str, Any], part: Series) -> bool:
+    """Whether a recording was learned from, by its content; by its path where an older file says no more."""
     if "trained_digests" in recipe:
-        lengths = {len(part), *(n for n in recipe.get("trained_lengths", []) if n < len(part))}
-        return any(part.rows(np.arange(n)).digest in recipe["trained_digests"] for n in lengths)
+        digests = recipe["trained_digests"]
+        return any(one.digest in digests for one in _beginnings(part, recipe.get("trained_lengths", [])))
     return any(_is_of(part, source) for source in recipe.get("trained_on", []))
+
+
+def _is_reference(note: Mapping[str, Any], part: Series) -> bool:
+    """Whether a recording is, or begins with, the reference of a recalibration; known as what was learned from is."""
+    if note.get("digest"):
+        return any(one.reading_digest == note["digest"] for one in _beginnings(part, [note["length"]]))
+    return _is_of(part, note["on"])
 
 
 def _is_of(part: Series, source: str) -> bool:
@@ -67,11 +76,11 @@ def _is_of(part: Series, source: str) -> bool:
 
 
 def _role(recipe: Mapping[str, Any], part: Series) -> str:
-    """What a recording was to a compensator: learned from, the reference that it was recalibrated by, or neither."""
+    """What a recording was to a compensator: learned from, a reference that it was recalibrated by, or neither."""
     if _trained_on(recipe, part):
         return "training"
-    reference = recipe.get("recalibrated", {}).get("on")
-    return "reference" if reference and _is_of(part, reference) else "held-out"
+    references = recipe.get("recalibrated", [])
+    return "reference" if any(_is_reference(note, part) for note in references) else "held-out"
 
 
 def _score_one(compensator: TrainedCompensator, recording: Recording) -> dict[str, Any]:
@@ -111,7 +120,8 @@ def _summary(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
     keys = ("r2_before", "r2_after", "r2_rescaled", "gain")
     mean = {key: float(np.mean([row[key] for row in rows])) for key in keys}
     criterion = score.error_of_two(rows[0]["r2_after"], rows[1]["r2_after"]) if len(rows) == 2 else None
-    return {"over": rows[0]["role"], "recordings": len(rows), **mean, "E": criterion}
+    over = " and ".join(dict.fromkeys(row["role"] for row in rows))
+    return {"over": over, "recordings": len(rows), **mean, "E": criterion}
 
 
 def _traces(part: Series, prediction: np.ndarray, sign: float) -> dict[str, Any]:

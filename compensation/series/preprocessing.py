@@ -42,6 +42,11 @@ class Series:
         """SHA-256 of conductance and target: the same under whatever path."""
         return hashlib.sha256(np.stack([self.conductance_S, self.truth]).tobytes()).hexdigest()
 
+    @property
+    def reading_digest(self) -> str:
+        """SHA-256 of the conductance: the same whatever the target was, or was said to be, as at rest."""
+        return hashlib.sha256(self.conductance_S.tobytes()).hexdigest()
+
     def rows(self, rows: NDArray[np.intp]) -> Series:
         """The series of some of its samples."""
         return Series(self.time_s[rows], self.conductance_S[rows], self.truth[rows], self.source)

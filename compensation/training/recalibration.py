@@ -86,9 +86,17 @@ def recalibrated(compensator: TrainedCompensator, part: Series) -> TrainedCompen
         )
     found = correction(compensator, part)
     before, after = (_rms(one, part) for one in (compensator, found.of(compensator)))
-    note = {"on": part.source, "seconds": duration_s, "rms_before": before, "rms_after": after, **vars(found)}
-    recipe = dict(compensator.recipe) | {"recalibrated": note}
-    return replace(found.of(compensator), recipe=recipe)
+    note = {
+        "on": part.source,
+        "digest": part.reading_digest,
+        "length": len(part),
+        "seconds": duration_s,
+        "rms_before": before,
+        "rms_after": after,
+        **vars(found),
+    }
+    earlier = compensator.recipe.get("recalibrated", [])
+    return replace(found.of(compensator), recipe={**compensator.recipe, "recalibrated": [*earlier, note]})
 
 
 def correction(compensator: TrainedCompensator, part: Series) -> Correction:

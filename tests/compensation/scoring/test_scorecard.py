@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compensation.model import files
 from compensation.model.prediction import predicted
 from compensation.model.streaming import CompensatorStream
 from compensation.scoring.scorecard import score_recordings
@@ -99,3 +100,31 @@ def test_a_reference_was_not_held_out(recordings):
     scores = score_recordings(found, recordings)
     assert [row["role"] for row in scores["recordings"]] == ["training", "reference", "held-out"]
     assert scores["summary"]["recordings"] == 1
+    assert score_recordings(found, recordings[:2])["summary"]["over"] == "training and reference"
+
+
+def test_every_reference_is_known_by_what_was_read(recordings, tmp_path):
+    """Under whatever name, at rest as well, and the first of two recalibrations no less than the last."""
+    found = train(recordings[:1], "force", Options(sizes=(2,), restarts=1, engine="fast"))
+    minute = series_of(recordings[1].between(0.0, 60.0), "force", 20.0)
+    rest = series_of(recordings[2].between(0.0, 20.0), "force", 20.0)
+    for reference in (minute, replace(rest, truth=np.zeros(len(rest)))):
+        found = recalibrated(found, reference)
+    files.save(tmp_path / "c.json", found)
+    again = files.load(tmp_path / "c.json")
+    assert again.recipe == found.recipe
+    elsewhere = [replace(recording, source="elsewhere") for recording in recordings]
+    stranger = replace(recordings[1].between(60.0, 120.0), source=minute.source)
+    scores = score_recordings(again, [*elsewhere, stranger])
+    assert [row["role"] for row in scores["recordings"]] == ["training", "reference", "reference", "held-out"]
+
+
+def test_a_reference_of_an_older_file_is_known_by_its_path(recordings, tmp_path):
+    compensator = train(recordings[:1], "force", Options(sizes=(2,), restarts=1, engine="fast"))
+    old = replace(compensator, recipe={**compensator.recipe, "recalibrated": {"on": recordings[1].source}})
+    files.save(tmp_path / "c.json", old)
+    again = files.load(tmp_path / "c.json")
+    assert again.recipe["recalibrated"] == [{"on": recordings[1].source}]
+    assert [row["role"] for row in score_recordings(again, recordings[1:])["recordings"]] == ["reference", "held-out"]
+    found = recalibrated(again, series_of(recordings[2], "force", 20.0))
+    assert {row["role"] for row in score_recordings(found, recordings[1:])["recordings"]} == {"reference"}
