@@ -29,12 +29,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     import numpy as np
-    import pandas as pd
 
     from compensation.commands.common import check_long_enough, check_places
     from compensation.model.files import load
     from compensation.model.prediction import predicted
-    from compensation.series.preprocessing import TARGETS, recorded_duration_s
+    from compensation.series.preprocessing import recorded_duration_s, target_channel
     from compensation.series.reading import read_samples
     from gcode.support.files import atomic_path
 
@@ -45,19 +44,12 @@ def run(args: argparse.Namespace) -> int:
     known_s = np.sort(time_s[np.isfinite(time_s)])
     check_long_enough(args.recording, compensator, recorded_duration_s(known_s) if len(known_s) else 0.0)
     found = predicted(compensator, time_s, resistance_ohm)
-    name, unit = TARGETS[compensator.target]
-    frame = pd.DataFrame(
-        {
-            "time_s": time_s,
-            name: found.value,
-            f"low_{unit}": found.low,
-            f"high_{unit}": found.high,
-            "status": found.status,
-        }
-    )
+    frame = found.to_frame()
     with atomic_path(args.output) as temporary:
         frame.to_csv(temporary, index=False, float_format="%.6f")
-    print(f"{len(frame)} samples: {name} {np.min(found.value):.3f} to {np.max(found.value):.3f} {unit}")
+    low, high = np.min(found.value), np.max(found.value)
+    name = target_channel(compensator.target)
+    print(f"{len(frame)} samples: {name} {low:.3f} to {high:.3f} {compensator.unit}")
     _print_status(found.status)
     print(f"wrote {args.output}")
     return 0

@@ -79,6 +79,24 @@ def test_it_takes_lists_and_columns_of_a_table_and_no_two_lengths(compensator, r
         predicted(compensator, [0.0, 0.1, 0.2], [1e5, 1e5])
 
 
+def test_a_prediction_is_a_table_that_nobody_writes_into(compensator, recordings):
+    part = recordings[1].between(0, 10)
+    time_s = part.time_s.copy()
+    found = predicted(replace(compensator, margins=(-0.25, 0.5)), time_s, part["resistance_ohm"])
+    time_s[0] = -1.0  # what was given stays the caller's
+    table = found.to_frame()
+    assert list(table) == ["time_s", "force_N", "low_N", "high_N", "status"]
+    np.testing.assert_array_equal(table["time_s"], part.time_s)
+    np.testing.assert_allclose(table["high_N"] - table["force_N"], 0.5)
+    assert list(predicted(replace(compensator, target="displacement"), [0.0], [1e6]).to_frame())[1:3] == [
+        "displacement_mm",
+        "low_mm",
+    ]
+    for values in (found.time_s, found.value, found.low, found.high, found.status):
+        with pytest.raises(ValueError, match="read-only"):
+            values[0] = 0
+
+
 def test_command_writes_what_it_says(compensator, recordings, tmp_path, capsys):
     compensator_files.save(tmp_path / "c.json", compensator)
     part = recordings[1].between(0, 60)
