@@ -15,6 +15,10 @@ PICTURES = (".png", ".pdf", ".svg")
 WIDEST, DEEPEST = 256, 8
 # Of r2: so much lost to gain and zero is worth a word.
 MUCH = 0.05
+NOTHING_KNOWN = (
+    "no sample has a conductance that the training had: is resistance_ohm in ohm, and the sensor one of the kind "
+    "that was trained on?"
+)
 
 
 def add_recordings(parser: argparse.ArgumentParser) -> None:
@@ -46,7 +50,7 @@ def read_all(args: argparse.Namespace, target: str) -> list[Recording]:
 
 
 def check_long_enough(source: str, compensator: TrainedCompensator, duration_s: float) -> None:
-    """Refuse a recording shorter than the slowest memory: it is all beginning."""
+    """Refuse a recording of which less was recorded than the slowest memory lasts: it is all beginning."""
     from gcode.support.errors import UserError
 
     if duration_s < compensator.slowest_s:

@@ -29,12 +29,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     import numpy as np
-    import pandas as pd
 
     from compensation.commands.common import check_long_enough, check_places
     from compensation.model.files import load
     from compensation.model.prediction import predicted
-    from compensation.series.preprocessing import TARGETS
+    from compensation.series.preprocessing import recorded_duration_s, target_channel
     from compensation.series.reading import read_samples
     from gcode.support.files import atomic_path
 
@@ -42,22 +41,15 @@ def run(args: argparse.Namespace) -> int:
     compensator = load(args.compensator)
     _check_target(args, compensator)
     time_s, resistance_ohm = read_samples(args.recording)
-    known_s = time_s[np.isfinite(time_s)]
-    check_long_enough(args.recording, compensator, float(np.ptp(known_s)) if len(known_s) else 0.0)
+    known_s = np.sort(time_s[np.isfinite(time_s)])
+    check_long_enough(args.recording, compensator, recorded_duration_s(known_s) if len(known_s) else 0.0)
     found = predicted(compensator, time_s, resistance_ohm)
-    name, unit = TARGETS[compensator.target]
-    frame = pd.DataFrame(
-        {
-            "time_s": time_s,
-            name: found.value,
-            f"low_{unit}": found.low,
-            f"high_{unit}": found.high,
-            "status": found.status,
-        }
-    )
+    frame = found.to_frame()
     with atomic_path(args.output) as temporary:
         frame.to_csv(temporary, index=False, float_format="%.6f")
-    print(f"{len(frame)} samples: {name} {np.min(found.value):.3f} to {np.max(found.value):.3f} {unit}")
+    low, high = np.min(found.value), np.max(found.value)
+    name = target_channel(compensator.target)
+    print(f"{len(frame)} samples: {name} {low:.3f} to {high:.3f} {compensator.unit}")
     _print_status(found.status)
     print(f"wrote {args.output}")
     return 0
@@ -65,6 +57,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _print_status(status: IntArray) -> None:
     """One line for each doubt that the compensator had, with the share of the samples that it holds for."""
+    from compensation.commands.common import NOTHING_KNOWN
     from compensation.model.runtime import Status
 
     for flag in Status:
@@ -73,7 +66,7 @@ def _print_status(status: IntArray) -> None:
             print(f"  {_percent(share)} {WORDS[flag.name or '']} (status {int(flag)})")
     good = status & int(Status.BAD_READING | Status.BAD_STEP) == 0
     if good.any() and (status[good] & int(Status.UNSEEN_READING)).all():
-        print(NOTHING_KNOWN)
+        print(f"  {NOTHING_KNOWN}")
 
 
 def _check_target(args: argparse.Namespace, compensator: TrainedCompensator) -> None:
@@ -92,10 +85,6 @@ def _percent(share: float) -> str:
     return f"{share:.1%}" if share >= 0.0005 else "under 0.1%"
 
 
-NOTHING_KNOWN = (
-    "  no sample has a conductance that the training had: is resistance_ohm in ohm, and the sensor one of the kind "
-    "that was trained on?"
-)
 WORDS = {
     "BAD_READING": "with a resistance that is no positive number: the last value is repeated",
     "BAD_STEP": "with a time that is out of order: the last value is repeated",

@@ -25,6 +25,7 @@ def run(args: argparse.Namespace) -> int:
     from compensation.commands.common import check_long_enough, check_places, finish, read_all
     from compensation.model.files import load
     from compensation.scoring.scorecard import score_recordings
+    from compensation.series.preprocessing import recorded_duration_s
     from gcode.support.files import write_text
     from testbench.recordings.doubts import check_distinct
 
@@ -33,7 +34,7 @@ def run(args: argparse.Namespace) -> int:
     recordings = read_all(args, compensator.target)
     check_distinct(recordings, "it would count several times; give each once")
     for recording in recordings:
-        check_long_enough(recording.source, compensator, recording.duration_s)
+        check_long_enough(recording.source, compensator, recorded_duration_s(recording.time_s))
     scores = score_recordings(compensator, recordings)
     scores["compensator"]["file"] = args.compensator
     if args.output:

@@ -87,7 +87,8 @@ def _chosen(args: argparse.Namespace) -> list[Candidate]:
 
     if args.sample is not None and args.sample < 1:
         raise UserError(f"--sample must be at least 1, got {args.sample}")
-    chosen = search_space.candidates(args.preset, _bases(args.bases) if args.bases else search_space.BASES)
+    bases = search_space.BASES if args.bases is None else _bases(args.bases)
+    chosen = search_space.candidates(args.preset, bases)
     return search_space.spread(chosen, args.sample) if args.sample else chosen
 
 

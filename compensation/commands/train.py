@@ -109,12 +109,13 @@ def _implied(args: argparse.Namespace) -> str:
 def _check_long_enough(args: argparse.Namespace, options: Options, recordings: list[Recording]) -> None:
     """A filter that remembers longer than the recording lasts never leaves its initial value."""
     from compensation.memories.ema import smoothing_factors
+    from compensation.series.preprocessing import recorded_duration_s
     from compensation.training.learners import COUNT, FACTOR
     from gcode.support.errors import UserError
 
     bank = smoothing_factors(FACTOR, COUNT) if args.method == "auto" else options.bank
     slowest_s = 1.0 / (options.rate_hz * float(min(bank)))
-    longest_s = max(recording.duration_s for recording in recordings)
+    longest_s = max(recorded_duration_s(recording.time_s) for recording in recordings)
     if slowest_s > longest_s and not args.twin:
         raise UserError(
             f"the slowest filter remembers {slowest_s:.0f} s and the longest recording has {longest_s:.0f} s; record "

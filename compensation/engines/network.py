@@ -76,6 +76,8 @@ class Network:
         ValueError
             If the shapes do not form a network with one output, or a number is not finite.
         """
+        if any(len({len(row) for row in matrix}) > 1 for matrix in weights):
+            raise ValueError("a layer has rows of weights of different lengths")
         w = tuple(np.asarray(matrix, dtype=np.float64) for matrix in weights)
         b = tuple(np.asarray(vector, dtype=np.float64) for vector in biases)
         if not w or len(w) != len(b):

@@ -163,7 +163,7 @@ class Compensator(RegressorMixin, BaseEstimator):
         return self.compensator_
 
     def _check_parameters(self) -> None:
-        if self.method not in EVERY_METHOD or self.target not in TARGETS:
+        if self.method not in EVERY_METHOD or self.target not in tuple(TARGETS):
             raise ValueError(
                 f"method must be one of {', '.join(EVERY_METHOD)} and target one of {', '.join(TARGETS)}, "
                 f"got {self.method!r} and {self.target!r}"

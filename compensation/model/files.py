@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from compensation.engines.network import Network
 from compensation.memories.ema import SMALLEST_ALPHA
@@ -19,7 +19,7 @@ from compensation.model.ranges import Beginning, Seen
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError, first_problem
 from gcode.support.files import write_json
-from gcode.support.strict import read_json
+from gcode.support.strict import json_of, read_json
 
 FORMAT, FORMAT_VERSION = "knitbench-compensator", 4
 # Version 2 has no `seen` and no `beginning`; version 3 no `settle_s`.
@@ -83,6 +83,24 @@ class _Promise(BaseModel):
     r2: float
 
 
+class _Recalibration(BaseModel):
+    model_config = ConfigDict(extra="allow", strict=True)
+    on: str
+    digest: str | None = None
+    length: int | None = None
+
+    @model_validator(mode="after")
+    def _both_or_neither(self) -> Self:
+        if (self.digest is None) != (self.length is None):
+            raise ValueError("a reference is known by its digest and its length, or by neither")
+        return self
+
+
+def _every(recalibrated: Any) -> Any:
+    """All recalibrations, one after another; an older file has the last one alone."""
+    return recalibrated if isinstance(recalibrated, list) else [recalibrated]
+
+
 class _Recipe(BaseModel):
     """What `score` and `recalibrate` read of how a compensator was trained; the rest is for people."""
 
@@ -91,6 +109,7 @@ class _Recipe(BaseModel):
     trained_digests: list[str] = []
     trained_lengths: list[int] = []
     cross_validated: _Promise | None = None
+    recalibrated: Annotated[list[_Recalibration], BeforeValidator(_every)] = []
 
 
 class _File(_Strict):
@@ -116,7 +135,13 @@ class _File(_Strict):
 
 
 def save(path: str | Path, compensator: TrainedCompensator) -> None:
-    """Write a compensator as JSON, atomically, with a digest of its own content."""
+    """Write a compensator as JSON, atomically, with a digest of its own content.
+
+    Raises
+    ------
+    UserError
+        If `load` would refuse it: a number is none, or beyond what a chip could hold.
+    """
     data: dict[str, Any] = {
         "format": FORMAT,
         "version": FORMAT_VERSION,
@@ -137,7 +162,15 @@ def save(path: str | Path, compensator: TrainedCompensator) -> None:
         "margins": compensator.margins,
         "recipe": dict(compensator.recipe),
     }
-    write_json(path, data | {"sha256": _digest(data)})
+    try:
+        data["sha256"] = _digest(data)
+        _checked(json_of(json.dumps(data), "compensator"))
+    except ValueError as error:
+        raise UserError(
+            f"{path}: not written, for nothing could read it again: {first_problem(error)}; bring conductance and "
+            "target to usual units, and train again"
+        ) from None
+    write_json(path, data)
 
 
 def load(path: str | Path) -> TrainedCompensator:
@@ -171,30 +204,34 @@ def load(path: str | Path) -> TrainedCompensator:
             f"{path}: not a compensator (its format must be {FORMAT!r}); make one with `compensation train`"
         )
     if data.get("version") not in READABLE:
-        known = " and ".join(map(str, READABLE))
+        from testbench.comparing.words import listed  # heavy, and needed for this sentence only
+
+        known = listed([str(version) for version in READABLE])
         raise UserError(f"{path}: compensator version {data.get('version')!r}; this knitbench reads {known}")
     try:
-        checked = _File.model_validate(data)
-        networks = tuple(Network.from_lists(net.weights, net.biases) for net in checked.networks)
+        checked, networks = _checked(data)
     except ValueError as error:
         raise UserError(f"{path}: not a usable compensator: {first_problem(error)}") from None
-    inputs = len(checked.alphas) + len(checked.history.motion_taus_s) + len(checked.history.play_radii)
-    if any(len(net.weights[0]) != inputs for net in networks):
-        raise UserError(f"{path}: not a usable compensator: its network does not take {inputs} inputs")
-    _check_runtime(path, checked, inputs)
     if _digest({key: value for key, value in data.items() if key != "sha256"}) != checked.sha256:
         raise UserError(f"{path}: the file was changed after it was saved (its checksum is wrong); train it again")
     return _build(checked, networks)
 
 
-def _check_runtime(path: str | Path, checked: _File, inputs: int) -> None:
+def _checked(data: dict[str, Any]) -> tuple[_File, tuple[Network, ...]]:
+    """What a file holds, and its networks; a `ValueError` says why nothing could run that."""
+    checked = _File.model_validate(data)
+    networks = tuple(Network.from_lists(net.weights, net.biases) for net in checked.networks)
+    inputs = len(checked.alphas) + len(checked.history.motion_taus_s) + len(checked.history.play_radii)
+    if any(len(net.weights[0]) != inputs for net in networks):
+        raise ValueError(f"its network does not take {inputs} inputs")
     vectors: list[list[float]] = []
     if checked.seen:
         vectors += [checked.seen.inputs_low, checked.seen.inputs_high]
     if checked.beginning:
         vectors += [checked.beginning.gain, checked.beginning.offset]
     if any(len(vector) != inputs for vector in vectors):
-        raise UserError(f"{path}: not a usable compensator: `seen` and `beginning` must hold {inputs} numbers each")
+        raise ValueError(f"`seen` and `beginning` must hold {inputs} numbers each")
+    return checked, networks
 
 
 def _plain(part: Seen | Beginning | None) -> dict[str, Any] | None:

@@ -12,7 +12,8 @@ from compensation.model.runtime import LONGEST_STEP_S, SHORTEST_STEP_S, Status
 from compensation.model.streaming import CompensatorStream
 from compensation.series.preprocessing import TARGETS
 from gcode.support import disk
-from gcode.support.errors import UserError
+from gcode.support.errors import MOST_SHOWN, UserError
+from gcode.support.strict import blocks_of
 from testbench.campaigns.campaign import COMPENSATED
 from testbench.rig.protocol.file_lines import seconds
 from testbench.rig.protocol.items import Row
@@ -34,7 +35,8 @@ class LiveCompensator:
     Raises
     ------
     UserError
-        If the file is no compensator, or one that cannot run sample by sample.
+        If the file is no compensator, or one that cannot run sample by sample; if what is kept there already is of
+        another target.
 
     Attributes
     ----------
@@ -47,9 +49,24 @@ class LiveCompensator:
         self.unit, self._channel = compensator.unit, TARGETS[compensator.target][0]
         self._stream = CompensatorStream(compensator)
         self._folder, self._refused = Path(folder), False
+        self._header = f"time_s,{self._channel},low_{self.unit},high_{self.unit},status\n"
+        self._check_kept(path)
         self._file: int | None = None
         self._last_us: int | None = None
         self._odd_us: int | None = None
+
+    def _check_kept(self, compensator: str | Path) -> None:
+        """Refuse to go on with a table of another target; a first line that a kill left half is cut later."""
+        place = self._folder / COMPENSATED
+        if not place.is_file():
+            return
+        first_block = next(blocks_of(place, "compensated signal"), b"")
+        kept = b"".join(first_block.splitlines(keepends=True)[:1]).decode(errors="replace")
+        if not self._header.startswith(kept):
+            raise UserError(
+                f"{place}: begins with {kept.strip()[:MOST_SHOWN]!r}, and --compensator {compensator} would go on "
+                f"with {self._header.strip()!r}; give the compensator that it was begun with, or none"
+            )
 
     def follow(self, row: Row) -> tuple[float, str]:
         """The value after this row of the recorder, and its unit."""
@@ -98,7 +115,7 @@ class LiveCompensator:
             if self._file is None:
                 self._file = disk.open_growing(self._folder / COMPENSATED)
                 if not _cut_half_line(self._file):
-                    line = f"time_s,{self._channel},low_{self.unit},high_{self.unit},status\n{line}"
+                    line = self._header + line
             disk.write_all(self._file, line.encode())
         except (OSError, UserError) as error:
             self._refused = True

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,16 +20,24 @@ from compensation.model.runtime import (
     Status,
     ranges_of,
 )
+from compensation.series.preprocessing import TARGETS
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """A compensated signal.
+    """A compensated signal; its arrays can be read only.
 
     Attributes
     ----------
+    target : {"force", "displacement"}
+        What was predicted.
+    time_s : ndarray, shape (n,)
+        As given.
     value : ndarray, shape (n,)
         In the compensator's unit; the last good value where a sample is faulty.
     low, high : ndarray, shape (n,)
@@ -37,10 +46,24 @@ class Prediction:
         Flags of `compensation.model.runtime.Status`; 0 is good.
     """
 
+    target: str
+    time_s: FloatArray
     value: FloatArray
     low: FloatArray
     high: FloatArray
     status: NDArray[np.int64]
+
+    def __post_init__(self) -> None:
+        for values in (self.time_s, self.value, self.low, self.high, self.status):
+            values.flags.writeable = False
+
+    def to_frame(self) -> pd.DataFrame:
+        """As a table, with the columns of ``compensation predict``: ``time_s, force_N, low_N, high_N, status``."""
+        import pandas as pd
+
+        name, unit = TARGETS[self.target]
+        columns = {"time_s": self.time_s, name: self.value, f"low_{unit}": self.low, f"high_{unit}": self.high}
+        return pd.DataFrame({**columns, "status": self.status})
 
 
 def predicted(compensator: TrainedCompensator | Fitted, time_s: FloatArray, resistance_ohm: FloatArray) -> Prediction:
@@ -60,7 +83,7 @@ def predicted(compensator: TrainedCompensator | Fitted, time_s: FloatArray, resi
     Returns
     -------
     Prediction
-        Force (N) or displacement (mm) of each sample, with an interval and flags.
+        Force (N) or displacement (mm) of each sample, with an interval and flags; `to_frame` makes it a table.
 
     Raises
     ------
@@ -79,6 +102,8 @@ def predicted(compensator: TrainedCompensator | Fitted, time_s: FloatArray, resi
     >>> told = predicted(model, recording.time_s, resistance_ohm)
     >>> (told.value[700] == told.value[699]).item(), told.status[[699, 700, 701]].tolist()
     (True, [0, 1, 0])
+    >>> list(told.to_frame())
+    ['time_s', 'force_N', 'low_N', 'high_N', 'status']
     """
     compensator = trained(compensator)
     if compensator.per_recording:
@@ -103,7 +128,7 @@ def predicted(compensator: TrainedCompensator | Fitted, time_s: FloatArray, resi
             value[rows], status[rows] = _run(compensator, time_s[rows], conductance_S[rows])
     value = _held(value, good)
     low, high = compensator.margins or (np.nan, np.nan)
-    return Prediction(value, value + low, value + high, status)
+    return Prediction(compensator.target, time_s.copy(), value, value + low, value + high, status)
 
 
 def _faults(time_s: FloatArray, conductance_S: FloatArray) -> NDArray[np.int64]:

@@ -109,25 +109,36 @@ def ready_for_use(compensator: TrainedCompensator, series: Sequence[Series]) -> 
     signals = [compensator.scaling_in.apply(part.conductance_S) for part in series]
     everything, x = np.concatenate(features), np.concatenate(signals)
     seen = Seen(float(x.min()), float(x.max()), everything.min(axis=0), everything.max(axis=0))
-    return replace(compensator, seen=seen, beginning=_expected_memories(compensator, features, signals))
+    return replace(compensator, seen=seen, beginning=_expected_memories(compensator, series, features, signals))
 
 
 def _expected_memories(
-    compensator: TrainedCompensator, features: Sequence[FloatArray], signals: Sequence[FloatArray]
+    compensator: TrainedCompensator,
+    series: Sequence[Series],
+    features: Sequence[FloatArray],
+    signals: Sequence[FloatArray],
 ) -> Beginning:
-    """Regression of every memory on the mean of the reading over as many samples as its start is taken from."""
-    counts = np.ones(compensator.input_count, dtype=int)
-    counts[: len(compensator.alphas)] = start_samples(compensator.alphas, compensator.rate_hz)
+    """Regression of every memory on the mean of the reading over as long as its start is taken from."""
+    lasting = np.zeros(compensator.input_count)
+    # As `smooth_irregular` counts: M samples of the bank's rate last M - 0.5 steps.
+    lasting[: len(compensator.alphas)] = start_samples(compensator.alphas, compensator.rate_hz) - 0.5
+    steps = [(part.time_s - part.time_s[0]) * compensator.rate_hz for part in series]
     gains, offsets = np.zeros(compensator.input_count), np.zeros(compensator.input_count)
-    for column, count in enumerate(counts):
-        told = np.concatenate([_trailing_mean(x, min(count, len(x))) for x in signals])
-        held = np.concatenate([part[min(count, len(part)) - 1 :, column] for part in features])
+    for column, long in enumerate(lasting):
+        # Where it has been running for that long, but for a step; a shorter recording has its last sample only.
+        ready = [elapsed >= min(long - 1.0, elapsed[-1]) for elapsed in steps]
+        means = [_trailing_mean(x, elapsed, long) for x, elapsed in zip(signals, steps, strict=True)]
+        told = np.concatenate([mean[rows] for mean, rows in zip(means, ready, strict=True)])
+        held = np.concatenate([part[rows, column] for part, rows in zip(features, ready, strict=True)])
         spread = float(np.var(told))
         gains[column] = float(np.mean((told - told.mean()) * (held - held.mean()))) / spread if spread > 0 else 0.0
         offsets[column] = held.mean() - gains[column] * told.mean()
     return Beginning(gains, offsets)
 
 
-def _trailing_mean(x: FloatArray, count: int) -> FloatArray:
+def _trailing_mean(x: FloatArray, steps: FloatArray, long: float) -> FloatArray:
+    """Mean of the samples of the last so many steps, at each sample; of itself at least."""
+    own = np.arange(len(x))
+    begins = np.minimum(np.searchsorted(steps, steps - long, side="right"), own)
     sums = np.cumsum(np.concatenate([[0.0], x]))
-    return (sums[count:] - sums[:-count]) / count
+    return (sums[1:] - sums[begins]) / (own + 1 - begins)

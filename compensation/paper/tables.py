@@ -18,6 +18,7 @@ from testbench.recordings.recording import Recording
 # Of each kind of sensor, one or more specimens, each with its recordings by name.
 Specimens = Mapping[str, Sequence[Mapping[str, Recording]]]
 TESTS = ("T", "A", "B")
+ALL_DEAD = "every seed is dead"
 # The paper does not say which it did: docs/decisions/0015-scaler-of-the-paper.md.
 SCALERS = {"each by its own scaler": True, "all by T's scaler": False}
 TRANSFERS = (
@@ -91,10 +92,11 @@ def _over_sensors(sensor: str, label: str, rows) -> str:
 
 def _seed_row(sensor: str, label: str, rows: Sequence[np.ndarray]) -> str:
     """Mean over sensors of the mean over seeds; the spread over sensors, or over seeds where there is one sensor."""
-    means = np.array([one.mean(axis=0) for one in rows if len(one)])
-    if not len(means):
-        return f"  {sensor:6} {label:44} every seed is dead"
-    spread = means.std(axis=0) if len(means) > 1 else rows[0].std(axis=0)
+    living = [one for one in rows if len(one)]
+    if not living:
+        return f"  {sensor:6} {label:44} {ALL_DEAD}"
+    means = np.array([one.mean(axis=0) for one in living])
+    spread = means.std(axis=0) if len(means) > 1 else living[0].std(axis=0)
     return _row(sensor, label, means.mean(axis=0), spread, 51)
 
 
@@ -115,7 +117,7 @@ def transfer(recordings: Specimens, seeds: int, engine: str = "exact") -> str:
             found = [ours.over_seeds(one[training], [one["fast-A"]], "force", seeds, options) for one in series]
             alive = np.array([len(one.live) > 0 for one in found])
             after = np.array([one.live.mean() for one in found if len(one.live)])
-            told = "every seed is dead"
+            told = ALL_DEAD
             if alive.any():
                 told = f"{np.median(after):7.3f} ({np.median(after / raw[alive] - 1):+.0%})"
             lines.append(f"  {sensor:6} {scaler:22} {label:30} {told}")
@@ -137,7 +139,8 @@ def others(recordings: Specimens, seeds: int) -> str:
             at_rate = ours.prepared(chosen, "force", rate_hz)
             options = replace(ours.PUBLISHED, rate_hz=rate_hz)
             found = ours.over_seeds(at_rate["T"], [at_rate["A"], at_rate["B"]], "force", seeds, options)
-            lines.append(f"  {sensor:6} {f'network at {rate_hz:g} Hz':24} {found.live.mean():.3f}")
+            told = f"{found.live.mean():.3f}" if len(found.live) else ALL_DEAD
+            lines.append(f"  {sensor:6} {f'network at {rate_hz:g} Hz':24} {told}")
     return "\n".join(lines) + "\n"
 
 

@@ -5,15 +5,17 @@ Its shape is documented in docs/compensation.md; `testbench` reads the file and 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from compensation.model.compensator import TrainedCompensator
+from compensation.model.prediction import predicted
 from compensation.series import score
 from compensation.series.preprocessing import Series, series_of
+from gcode.support.arrays import FloatArray
 from testbench.recordings.recording import Recording
 
 FORMAT, FORMAT_VERSION = "knitbench-score", 1
@@ -30,8 +32,7 @@ def score_recordings(compensator: TrainedCompensator, recordings: Sequence[Recor
     dict
         JSON-ready; see docs/compensation.md.
     """
-    series = [series_of(rec, compensator.target, compensator.resampling_hz) for rec in recordings]
-    rows = [_score_one(compensator, part) for part in series]
+    rows = [_score_one(compensator, recording) for recording in recordings]
     held_out = [row for row in rows if row["role"] == "held-out"]
     return {
         "format": FORMAT,
@@ -49,15 +50,24 @@ def score_recordings(compensator: TrainedCompensator, recordings: Sequence[Recor
     }
 
 
-def _trained_on(recipe: Mapping[str, Any], part: Series) -> bool:
-    """Whether a recording was learned from, by its content; by its path where an older file says no more.
+def _beginnings(part: Series, lengths: Iterable[int]) -> list[Series]:
+    """A recording, and what it was when it had so many samples: one that has grown since begins as it did."""
+    return [part, *(part.rows(np.arange(length)) for length in set(lengths) if length < len(part))]
 
-    One that has grown since begins as it did.
-    """
+
+def _trained_on(recipe: Mapping[str, Any], part: Series) -> bool:
+    """Whether a recording was learned from, by its content; by its path where an older file says no more."""
     if "trained_digests" in recipe:
-        lengths = {len(part), *(n for n in recipe.get("trained_lengths", []) if n < len(part))}
-        return any(part.rows(np.arange(n)).digest in recipe["trained_digests"] for n in lengths)
+        digests = recipe["trained_digests"]
+        return any(one.digest in digests for one in _beginnings(part, recipe.get("trained_lengths", [])))
     return any(_is_of(part, source) for source in recipe.get("trained_on", []))
+
+
+def _is_reference(note: Mapping[str, Any], part: Series) -> bool:
+    """Whether a recording is, or begins with, the reference of a recalibration; known as what was learned from is."""
+    if note.get("digest"):
+        return any(one.reading_digest == note["digest"] for one in _beginnings(part, [note["length"]]))
+    return _is_of(part, note["on"])
 
 
 def _is_of(part: Series, source: str) -> bool:
@@ -66,20 +76,21 @@ def _is_of(part: Series, source: str) -> bool:
 
 
 def _role(recipe: Mapping[str, Any], part: Series) -> str:
-    """What a recording was to a compensator: learned from, the reference that it was recalibrated by, or neither."""
+    """What a recording was to a compensator: learned from, a reference that it was recalibrated by, or neither."""
     if _trained_on(recipe, part):
         return "training"
-    reference = recipe.get("recalibrated", {}).get("on")
-    return "reference" if reference and _is_of(part, reference) else "held-out"
+    references = recipe.get("recalibrated", [])
+    return "reference" if any(_is_reference(note, part) for note in references) else "held-out"
 
 
-def _score_one(compensator: TrainedCompensator, part: Series) -> dict[str, Any]:
-    prediction = compensator.in_use.predict_series(part)
+def _score_one(compensator: TrainedCompensator, recording: Recording) -> dict[str, Any]:
+    learned = series_of(recording, compensator.target, compensator.resampling_hz)
+    part, prediction = _as_it_runs(compensator, recording, learned)
     before = score.r2_before(part.truth, part.conductance_S, compensator.sign)
     after = score.r2(part.truth, prediction)
     return {
         "source": part.source,
-        "role": _role(compensator.recipe, part),
+        "role": _role(compensator.recipe, learned),
         "duration_s": float(part.time_s[-1] - part.time_s[0]),
         "samples": len(part),
         "r2_before": before,
@@ -94,11 +105,23 @@ def _score_one(compensator: TrainedCompensator, part: Series) -> dict[str, Any]:
     }
 
 
+def _as_it_runs(compensator: TrainedCompensator, recording: Recording, learned: Series) -> tuple[Series, FloatArray]:
+    """What is scored, and the prediction of it: as `learned`, but of a slower recording than that its own samples.
+
+    Between them, the grid that is learned from has straight lines to the next sample, which nobody in use knows.
+    """
+    if compensator.per_recording or recording.mean_rate_hz >= compensator.rate_hz:
+        return learned, compensator.in_use.predict_series(learned)
+    own = series_of(recording, compensator.target, None)
+    return own, predicted(compensator, own.time_s, 1.0 / own.conductance_S).value
+
+
 def _summary(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
     keys = ("r2_before", "r2_after", "r2_rescaled", "gain")
     mean = {key: float(np.mean([row[key] for row in rows])) for key in keys}
     criterion = score.error_of_two(rows[0]["r2_after"], rows[1]["r2_after"]) if len(rows) == 2 else None
-    return {"over": rows[0]["role"], "recordings": len(rows), **mean, "E": criterion}
+    over = " and ".join(dict.fromkeys(row["role"] for row in rows))
+    return {"over": over, "recordings": len(rows), **mean, "E": criterion}
 
 
 def _traces(part: Series, prediction: np.ndarray, sign: float) -> dict[str, Any]:
@@ -107,13 +130,13 @@ def _traces(part: Series, prediction: np.ndarray, sign: float) -> dict[str, Any]
 
     def cut(rows: np.ndarray | slice) -> dict[str, list[float]]:
         columns = {
-            "time_s": part.time_s,
             "F": part.truth,
             "G": part.conductance_S,
             "G_rescaled": raw,
             "p": prediction,
         }
-        return {name: [float(f"{value:.6g}") for value in column[rows]] for name, column in columns.items()}
+        shown = {name: [float(f"{value:.6g}") for value in column[rows]] for name, column in columns.items()}
+        return {"time_s": np.round(part.time_s[rows], 6).tolist(), **shown}
 
     step = -(-len(part) // TRACE_POINTS)
     return {"trace": cut(slice(None, None, step)), "zooms": [cut(rows) for rows in _windows(part.time_s)]}

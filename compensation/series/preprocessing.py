@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
-from testbench.recordings.recording import Recording
+from testbench.recordings.recording import Recording, gaps_in
 
 TARGETS = {"force": (FORCE, "N"), "displacement": (DISPLACEMENT, "mm")}
 SHORTEST_RECORDING_S = 10.0
@@ -42,6 +42,11 @@ class Series:
         """SHA-256 of conductance and target: the same under whatever path."""
         return hashlib.sha256(np.stack([self.conductance_S, self.truth]).tobytes()).hexdigest()
 
+    @property
+    def reading_digest(self) -> str:
+        """SHA-256 of the conductance: the same whatever the target was, or was said to be, as at rest."""
+        return hashlib.sha256(self.conductance_S.tobytes()).hexdigest()
+
     def rows(self, rows: NDArray[np.intp]) -> Series:
         """The series of some of its samples."""
         return Series(self.time_s[rows], self.conductance_S[rows], self.truth[rows], self.source)
@@ -64,12 +69,12 @@ def series_of(recording: Recording, target: str, rate_hz: float | None) -> Serie
         If a channel is missing, constant, or the recording is too short.
     """
     channel = _present(recording, target)
-    if recording.duration_s < SHORTEST_RECORDING_S:
+    duration_s = recorded_duration_s(recording.time_s)
+    if duration_s < SHORTEST_RECORDING_S:
         raise UserError(
-            f"{recording.source}: {recording.duration_s:.1f} s long; "
-            f"a compensator needs at least {SHORTEST_RECORDING_S:.0f} s"
+            f"{recording.source}: {duration_s:.1f} s long; a compensator needs at least {SHORTEST_RECORDING_S:.0f} s"
         )
-    series = _sampled(recording, channel, rate_hz)
+    series = sampled(recording, channel, rate_hz)
     for name, values in ((RESISTANCE, series.conductance_S), (channel, series.truth)):
         if stands_still(values):
             absent = "" if values.any() else " (zero throughout, as where the file has no such column)"
@@ -91,7 +96,7 @@ def reference_of(recording: Recording, target: str, rate_hz: float | None) -> Se
             f"{recording.source}: {channel} is zero throughout, as where the file has no such column; if the sensor "
             "rests without load there, say so with --rest"
         )
-    return _sampled(recording, channel, rate_hz)
+    return sampled(recording, channel, rate_hz)
 
 
 def _present(recording: Recording, target: str) -> str:
@@ -104,7 +109,8 @@ def _present(recording: Recording, target: str) -> str:
     return channel
 
 
-def _sampled(recording: Recording, channel: str, rate_hz: float | None) -> Series:
+def sampled(recording: Recording, channel: str, rate_hz: float | None) -> Series:
+    """Conductance and one channel of a recording on a grid (None: as sampled), without points in a gap."""
     gaps = recording.gaps
     if rate_hz is not None:
         # Resistance is what was measured: interpolate it, then invert, as the paper does.
@@ -114,6 +120,24 @@ def _sampled(recording: Recording, channel: str, rate_hz: float | None) -> Serie
     for start_s, end_s in gaps:
         recorded &= (whole.time_s <= start_s) | (whole.time_s >= end_s)
     return whole.rows(np.flatnonzero(recorded))
+
+
+def recorded_time_s(time_s: FloatArray) -> FloatArray:
+    """Time in s since the first sample, during which something was recorded: as if the gaps were closed.
+
+    Parameters
+    ----------
+    time_s : ndarray, shape (n,)
+        Increasing.
+    """
+    gaps = np.reshape(gaps_in(time_s), (-1, 2))
+    missing_s = np.concatenate([[0.0], np.cumsum(np.diff(gaps))])
+    return time_s - time_s[0] - missing_s[np.searchsorted(gaps[:, 1], time_s, side="right")]
+
+
+def recorded_duration_s(time_s: FloatArray) -> float:
+    """How long something was recorded, from the first sample to the last."""
+    return float(recorded_time_s(time_s)[-1])
 
 
 def stands_still(values: FloatArray) -> bool:

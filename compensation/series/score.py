@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from compensation.series.preprocessing import recorded_time_s
 from gcode.support.arrays import FloatArray
 
 # Errors APART_S (`compensation.training.recalibration`) apart are about independent: a block lasts a few times that.
@@ -80,14 +81,17 @@ def block_interval(truth: FloatArray, prediction: FloatArray, time_s: FloatArray
     """95 % interval of r2 from a bootstrap over blocks of 60 s, of a recording below 5 min over fifths.
 
     Neighbouring samples are alike, so a bootstrap over single samples gives intervals several times too narrow; so
-    do few blocks. Below `FEWEST_BLOCKS` blocks of `SHORTEST_BLOCK_S` there is none.
+    do few blocks. Below `FEWEST_BLOCKS` blocks of `SHORTEST_BLOCK_S` there is none. Gaps do not count.
     """
-    duration_s = time_s[-1] - time_s[0]
+    elapsed_s = recorded_time_s(time_s)
+    duration_s = elapsed_s[-1]
     if duration_s < FEWEST_BLOCKS * SHORTEST_BLOCK_S:
         return None
     block_s = min(BLOCK_S, duration_s / FEWEST_BLOCKS)
-    blocks = np.minimum((time_s - time_s[0]) / block_s, np.ceil(duration_s / block_s) - 1).astype(int)
+    blocks = np.minimum(elapsed_s / block_s, np.ceil(duration_s / block_s) - 1).astype(int)
     starts = np.flatnonzero(np.diff(blocks, prepend=-1))
+    if len(starts) < FEWEST_BLOCKS:
+        return None
     # Centred first: the sums of squares below would cancel badly far from zero.
     truth, prediction = truth - truth.mean(), prediction - truth.mean()
     sums = np.add.reduceat(

@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from compensation.model.compensator import Scaling, TrainedCompensator
 from compensation.model.runtime import ready_for_use
 from compensation.series import score
-from compensation.series.preprocessing import Series, stands_still
+from compensation.series.preprocessing import Series, recorded_duration_s, stands_still
 from compensation.training.folds import fold_count, folds_of, split, whole_recordings
 from compensation.training.intervals import of_another, of_one_recording
 from compensation.training.learners import PACES, Learner, Line, Networks, Paper, Ridge
@@ -210,7 +210,7 @@ def _trained(
 def _interval(truth: FloatArray, prediction: FloatArray, series: Sequence[Series]) -> list[float] | None:
     """95 % of r2: `score.jackknife_interval` over whole recordings where they are held out, else over blocks."""
     if not whole_recordings(series):
-        step_s = sum(part.time_s[-1] - part.time_s[0] for part in series) / len(truth)
+        step_s = sum(recorded_duration_s(part.time_s) for part in series) / len(truth)
         return score.block_interval(truth, prediction, np.arange(len(truth)) * step_s)
     owner = np.repeat(np.arange(len(series)), [len(part) for part in series])
     without = [score.r2(truth[owner != number], prediction[owner != number]) for number in range(len(series))]

@@ -19,7 +19,7 @@ from compensation.engines.adam import BATCH, train_adam
 from compensation.engines.network import Network
 from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import ready_for_use
-from compensation.series.preprocessing import Series
+from compensation.series.preprocessing import Series, recorded_duration_s
 from compensation.series.score import BLOCK_S
 from compensation.training.options import Options
 from compensation.training.untrained import training_arrays, untrained
@@ -124,7 +124,7 @@ def lessons(
         for by, copy in zip((shift, -shift), copies, strict=True)
     ]
     versions = tuple((values - centre) * scale for values in (features, *moved))
-    duration_s = sum(part.time_s[-1] - part.time_s[0] for part in series)
+    duration_s = sum(recorded_duration_s(part.time_s) for part in series)
     block_rows = max(int(len(truth) * BLOCK_S / duration_s), 1)
     return Lessons(blank, versions, truth, centre, scale, block_rows)
 

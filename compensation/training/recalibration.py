@@ -14,10 +14,12 @@ from pathlib import Path
 import numpy as np
 
 from compensation.model.compensator import Scaling, TrainedCompensator
-from compensation.series.preprocessing import Series
-from compensation.series.reading import read_samples
+from compensation.series.preprocessing import TARGETS, Series, recorded_duration_s, recorded_time_s
+from compensation.series.reading import UNKNOWN_LENGTH_MM, read_samples
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
+from testbench.recordings.channels import RESISTANCE
+from testbench.recordings.recording import Recording, gaps_in
 
 # How far each wanders between specimens and with age, as standard deviations: log gain and zero (in standard
 # deviations of the training) of the input, then of the output. Errors APART_S apart are about independent, and as
@@ -72,21 +74,29 @@ def recalibrated(compensator: TrainedCompensator, part: Series) -> TrainedCompen
     Raises
     ------
     UserError
-        If the recording is shorter than 5 s, or the compensator standardises each recording by itself.
+        If less than 5 s were recorded, or the compensator standardises each recording by itself.
     """
     if compensator.per_recording:
         raise UserError("a compensator trained with --per-recording knows no level that could be corrected")
-    duration_s = float(part.time_s[-1] - part.time_s[0])
-    if duration_s < LEAST_S:
+    duration_s = recorded_duration_s(part.time_s)
+    if round(duration_s, 6) < LEAST_S:  # times since 1970 are known to about a microsecond
         raise UserError(
             f"{part.source}: {duration_s:.1f} s of reference; a recalibration needs at least {LEAST_S:g} s, "
             "and is worth more with 30 to 60 s"
         )
     found = correction(compensator, part)
     before, after = (_rms(one, part) for one in (compensator, found.of(compensator)))
-    note = {"on": part.source, "seconds": duration_s, "rms_before": before, "rms_after": after, **vars(found)}
-    recipe = dict(compensator.recipe) | {"recalibrated": note}
-    return replace(found.of(compensator), recipe=recipe)
+    note = {
+        "on": part.source,
+        "digest": part.reading_digest,
+        "length": len(part),
+        "seconds": duration_s,
+        "rms_before": before,
+        "rms_after": after,
+        **vars(found),
+    }
+    earlier = compensator.recipe.get("recalibrated", [])
+    return replace(found.of(compensator), recipe={**compensator.recipe, "recalibrated": [*earlier, note]})
 
 
 def correction(compensator: TrainedCompensator, part: Series) -> Correction:
@@ -94,9 +104,10 @@ def correction(compensator: TrainedCompensator, part: Series) -> Correction:
     from scipy.optimize import least_squares
 
     running = compensator.in_use
-    late, reference = part.time_s >= part.time_s[0] + WARM_S, _within_reach(compensator, part.truth)
+    recorded_s, reference = recorded_time_s(part.time_s), _within_reach(compensator, part.truth)
+    late = recorded_s >= WARM_S
     # Weights that make as many errors as there are count as independent ones.
-    weight = np.sqrt(np.ptp(part.time_s) / APART_S / late.sum()) / (ERROR * compensator.scaling_out.scale)
+    weight = np.sqrt(recorded_s[-1] / APART_S / late.sum()) / (ERROR * compensator.scaling_out.scale)
 
     def residual(numbers: FloatArray) -> FloatArray:
         error = _moved(numbers).of(running).predict_series(part) - reference
@@ -105,8 +116,23 @@ def correction(compensator: TrainedCompensator, part: Series) -> Correction:
     return _moved(least_squares(residual, np.zeros(4), method="lm", diff_step=1e-3, max_nfev=60).x)
 
 
-def reference_at_rest(compensator: TrainedCompensator, path: str | Path, seconds: float) -> Series:
-    """The beginning of a recording of a sensor without load: its target is zero throughout.
+def end_of_first(seconds: float, time_s: FloatArray) -> float:
+    """When the first seconds are over: with the sample after them, for so long lies between samples then.
+
+    Parameters
+    ----------
+    seconds : float
+    time_s : ndarray, shape (n,)
+        A gap in which they end is no part of them.
+    """
+    end_s = float(time_s.min()) + seconds
+    if any(start_s <= end_s < stop_s for start_s, stop_s in gaps_in(np.sort(time_s))):
+        return end_s
+    return float(np.min(time_s[time_s > end_s], initial=np.inf))
+
+
+def recording_at_rest(compensator: TrainedCompensator, path: str | Path, seconds: float) -> Recording:
+    """The beginning of a recording of a sensor without load: its targets are zero throughout.
 
     Raises
     ------
@@ -115,7 +141,8 @@ def reference_at_rest(compensator: TrainedCompensator, path: str | Path, seconds
     """
     time_s, resistance_ohm = read_samples(path)
     good = np.isfinite(time_s) & np.isfinite(resistance_ohm) & (resistance_ohm > 0)
-    good &= time_s <= np.nanmin(time_s, initial=np.inf) + seconds
+    if good.any():
+        good &= time_s <= end_of_first(seconds, time_s[good])
     if good.sum() < 2 or not (np.diff(time_s[good]) > 0).all():
         raise UserError(f"{path}: fewer than two good samples in order of time within {seconds:g} s of its beginning")
     time_s, resistance_ohm = time_s[good], resistance_ohm[good]
@@ -125,10 +152,8 @@ def reference_at_rest(compensator: TrainedCompensator, path: str | Path, seconds
             f"{path}: over its first {seconds:g} s the conductance spreads {spread:.2f} times as far as in the "
             f"training, at rest it does {MOST_AT_REST:g} times at most; give --seconds of rest, or leave --rest out"
         )
-    if compensator.resampling_hz is not None:
-        grid = np.arange(time_s[0], time_s[-1], 1.0 / compensator.resampling_hz)
-        time_s, resistance_ohm = grid, np.interp(grid, time_s, resistance_ohm)
-    return Series(time_s, 1.0 / resistance_ohm, np.zeros(len(time_s)), str(path))
+    still = {channel: np.zeros(len(time_s)) for channel, _ in TARGETS.values()}
+    return Recording(time_s, {**still, RESISTANCE: resistance_ohm}, UNKNOWN_LENGTH_MM, str(path))
 
 
 def reach(compensator: TrainedCompensator) -> float:

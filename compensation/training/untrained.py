@@ -28,8 +28,14 @@ def untrained(series: Sequence[Series], target: str, options: Options) -> Traine
         irregular=options.irregular,
         per_recording=options.per_recording,
         history=options.history,
-        sign=float(np.sign(np.corrcoef(conductance, truth)[0, 1]) or 1.0),
+        sign=_direction(series),
     )
+
+
+def _direction(series: Sequence[Series]) -> float:
+    """1 where conductance rises with the target within recordings, -1 where it falls: their levels say nothing."""
+    together = sum(float((part.conductance_S - part.conductance_S.mean()) @ part.truth) for part in series)
+    return float(np.sign(together) or 1.0)
 
 
 def training_arrays(blank: TrainedCompensator, series: Sequence[Series]) -> tuple[FloatArray, FloatArray]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -43,6 +44,11 @@ def simulated_recording(seed: int, duration_s: float = 240.0, rate_hz: float = 2
         "resistance_ohm": 1.0 / read("conductance_S", 0.005),
     }
     return Recording(time_s, channels, GAUGE_MM, f"simulated-{seed}")
+
+
+def paused(recording: Recording, at_s: float, gap_s: float) -> Recording:
+    """The same samples, with nothing recorded for so long at that time."""
+    return replace(recording, time_s=recording.time_s + np.where(recording.time_s > at_s, gap_s, 0.0))
 
 
 @pytest.fixture(scope="session")

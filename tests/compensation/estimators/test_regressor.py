@@ -229,5 +229,6 @@ def test_what_uses_a_compensator_says_alike_why_an_estimator_has_none(rows, tmp_
 
 def test_wrong_parameters_are_named(rows):
     X, y, _ = rows
-    with pytest.raises(ValueError, match="method must be one of auto"):
-        Compensator(method="best").fit(X, y)
+    for wrong in ({"method": "best"}, {"method": ["auto"]}, {"target": [1]}, {"target": {}}):
+        with pytest.raises(ValueError, match=r"method must be one of auto.* target one of force, displacement, got"):
+            Compensator(**wrong).fit(X, y)

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
 
 from compensation.cli import main
 from compensation.memories.history import History
 from compensation.model import files
+from compensation.model.compensator import Scaling
 from compensation.training.options import Options
 from compensation.training.training import train
+from gcode.support.errors import UserError
 from testbench.recordings.files import write_recording_csv
 
 
@@ -40,6 +43,14 @@ def place(recordings, tmp_path_factory):
         (("margins",), [1.0, -1.0], "margins: the lower end"),
         (("recipe", "trained_on"), 5, "recipe.trained_on"),
         (("recipe", "cross_validated"), "x", "recipe.cross_validated"),
+        (("recipe", "recalibrated"), 5, "recipe.recalibrated"),
+        (("recipe", "recalibrated"), {"on": 5}, "recipe.recalibrated.0.on"),
+        (
+            ("recipe", "recalibrated"),
+            [{"on": "r.csv", "digest": "00"}],
+            "recipe.recalibrated.0: a reference is",
+        ),
+        (("networks", 0, "weights", 0, 0), [1.0], "a layer has rows of weights of different lengths"),
     ],
     ids=lambda one: ".".join(map(str, one)) if isinstance(one, tuple) else "",
 )
@@ -66,6 +77,17 @@ def test_what_is_honest_is_read_as_it_was_written(place):
     read = files.load(place / "c.json")
     files.save(place / "again.json", read)
     assert json.loads((place / "again.json").read_text()) == json.loads((place / "c.json").read_text())
+
+
+def test_what_could_not_be_read_is_not_written(place):
+    """Siemens by the billionth of a billionth of a billionth: no chip holds their spread."""
+    read = files.load(place / "c.json")
+    tiny = replace(read, scaling_in=Scaling(read.scaling_in.mean, 1e-33))
+    nan = replace(read, margins=(float("nan"), 1.0))
+    for wrong, words in ((tiny, r"scaling_in\.scale: .*got 1e-33; bring"), (nan, "not written.*; bring conductance")):
+        with pytest.raises(UserError, match=words):
+            files.save(place / "unreadable.json", wrong)
+        assert not (place / "unreadable.json").exists()
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import testbench as tb
 from compensation.cli import main
 from compensation.model import files
 from compensation.model.live import LiveCompensator
@@ -96,6 +97,30 @@ def test_what_it_kept_is_sealed_with_the_campaign(compensator, recordings, tmp_p
         assert any(COMPENSATED in problem for problem in problems(folder)), place
     (folder / COMPENSATED).unlink()
     assert any(COMPENSATED in problem for problem in problems(folder))
+
+
+def test_a_resumed_recording_goes_on_with_the_same_target(compensator, recordings, tmp_path):
+    """One table of two targets would be neither's; it is said before anything is recorded."""
+    files.save(tmp_path / "force.json", compensator)
+    other = train(recordings[:1], "displacement", Options(restarts=1, seed=1, engine="fast"))
+    files.save(tmp_path / "mm.json", other)
+    folder = tmp_path / "campaign"
+    begin(Job("/dev/no-such-port", 115200, program(tmp_path), 25.0, Limits()), folder)
+    live = live_compensator(tmp_path / "force.json", folder)
+    for time_us, mohm in samples(recordings[1], 3):
+        live.take(time_us, mohm)
+    live.close()
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    with pytest.raises(UserError, match=r"begins with 'time_s,force_N,.*mm.json would go on with 'time_s,displace"):
+        tb.resume_recording(folder, "/dev/no-such-port", compensator=tmp_path / "mm.json")
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+    again = live_compensator(tmp_path / "force.json", folder)
+    again.take(1_000_000, 5_000_000)
+    again.close()
+    assert (folder / COMPENSATED).read_text().count("time_s") == 1
+    # A line that a kill left half is cut, the first one, too.
+    (folder / COMPENSATED).write_text("time_s,for")
+    live_compensator(tmp_path / "force.json", folder).close()
 
 
 def test_no_reading_and_a_lost_disk_stop_nothing(compensator, recordings, tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from compensation.training.options import Options
 from compensation.training.training import train
 from gcode.support.errors import UserError
 from testbench.recordings.files import write_recording_csv
+from tests.compensation.conftest import paused
 
 
 @pytest.fixture(scope="module")
@@ -75,6 +77,24 @@ def test_it_takes_lists_and_columns_of_a_table_and_no_two_lengths(compensator, r
         UserError, match=r"one number a sample each, got shapes \(3,\) and \(2,\); give the two columns"
     ):
         predicted(compensator, [0.0, 0.1, 0.2], [1e5, 1e5])
+
+
+def test_a_prediction_is_a_table_that_nobody_writes_into(compensator, recordings):
+    part = recordings[1].between(0, 10)
+    time_s = part.time_s.copy()
+    found = predicted(replace(compensator, margins=(-0.25, 0.5)), time_s, part["resistance_ohm"])
+    time_s[0] = -1.0  # what was given stays the caller's
+    table = found.to_frame()
+    assert list(table) == ["time_s", "force_N", "low_N", "high_N", "status"]
+    np.testing.assert_array_equal(table["time_s"], part.time_s)
+    np.testing.assert_allclose(table["high_N"] - table["force_N"], 0.5)
+    assert list(predicted(replace(compensator, target="displacement"), [0.0], [1e6]).to_frame())[1:3] == [
+        "displacement_mm",
+        "low_mm",
+    ]
+    for values in (found.time_s, found.value, found.low, found.high, found.status):
+        with pytest.raises(ValueError, match="read-only"):
+            values[0] = 0
 
 
 def test_command_writes_what_it_says(compensator, recordings, tmp_path, capsys):
@@ -207,3 +227,12 @@ def test_a_recording_shorter_than_the_slowest_memory_is_refused(compensator, rec
     for argv in (predicting(tmp_path), ["score", str(tmp_path / "c.json"), str(tmp_path / "r.csv")]):
         assert main(argv) == 2
         assert f"slowest memory has {compensator.slowest_s:.0f} s" in capsys.readouterr().err
+
+
+def test_a_gap_makes_no_recording_long_enough(compensator, recordings, tmp_path, capsys):
+    compensator_files.save(tmp_path / "c.json", compensator)
+    write_recording_csv(tmp_path / "r.csv", paused(recordings[1].between(0, 20), 10, 60))
+    training = ["train", str(tmp_path / "r.csv"), "--target", "force", "-o", str(tmp_path / "new.json")]
+    for argv in (predicting(tmp_path), ["score", str(tmp_path / "c.json"), str(tmp_path / "r.csv")], training):
+        assert main(argv) == 2
+        assert re.search(r"r.csv: 20\.0 s long|longest recording has 20 s", capsys.readouterr().err)

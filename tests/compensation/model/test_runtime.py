@@ -283,6 +283,16 @@ def test_what_a_file_holds(compensator, tmp_path):
         compensator_files.load(path)
 
 
+@pytest.mark.parametrize("rate_hz", [20.0, 80.0])
+def test_where_to_begin_does_not_hang_on_how_often_was_sampled(recordings, rate_hz):
+    """A start is the mean over a time, be it of 31 samples or of 122."""
+    options = Options(restarts=1, engine="fast")
+    expected = train(recordings[:1], "force", options).beginning
+    found = train([recordings[0].resampled(rate_hz)], "force", replace(options, irregular=True)).beginning
+    np.testing.assert_allclose(found.gain, expected.gain, atol=5e-3)
+    np.testing.assert_allclose(found.offset, expected.offset, atol=5e-3)
+
+
 def test_ranges_hold_the_training(recordings):
     two = [*recordings[:1], simulated_recording(9, 120.0)]
     trained = train(two, "force", Options(restarts=1, engine="fast"))

@@ -110,3 +110,16 @@ def test_a_transfer_without_a_live_seed_says_so(runs, monkeypatch):
     text = tables.transfer({"pes": [{"T": runs["T"], "fast-T": runs["A"], "fast-A": runs["B"]}]}, 1, "fast")
     assert text.count("every seed is dead") == 6
     assert "-100%" not in text
+
+
+def test_a_specimen_or_a_rate_without_a_live_seed_is_left_out(runs, monkeypatch):
+    """Neither a nan nor a warning of numpy's: the spread is that of the specimen that lives."""
+    rows = [np.empty((0, 3)), np.array([[0.5, 0.6, 0.7], [0.7, 0.6, 0.5]])]
+    assert tables._seed_row("pes", "live", rows) == tables._seed_row("pes", "live", rows[1:])
+    assert "0.600 (0.100)" in tables._seed_row("pes", "live", rows)
+    nobody = reproduction.Seeds(np.zeros((2, 2)), np.ones(2, dtype=bool), np.zeros(2), ())
+    monkeypatch.setattr(reproduction, "over_seeds", lambda *_: nobody)
+    monkeypatch.setattr(reproduction, "baselines", lambda *_: {})
+    text = tables.others({"pes": [runs]}, 2)
+    assert text.count("every seed is dead") == 3
+    assert "nan" not in text

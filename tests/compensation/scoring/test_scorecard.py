@@ -7,8 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compensation.model import files
+from compensation.model.prediction import predicted
 from compensation.model.streaming import CompensatorStream
 from compensation.scoring.scorecard import score_recordings
+from compensation.series import score
 from compensation.series.preprocessing import series_of
 from compensation.training.options import Options
 from compensation.training.recalibration import recalibrated
@@ -23,6 +26,28 @@ def test_a_window_without_samples_is_left_out(recordings):
     (row,) = score_recordings(replace(compensator, start="causal", irregular=True), [paused])["recordings"]
     assert len(row["zooms"]) == 2
     assert all(zoom["time_s"] for zoom in row["zooms"])
+
+
+@pytest.mark.parametrize("rate_hz", [1.0, 5.0])
+def test_a_slow_recording_is_scored_as_it_is_predicted(recordings, rate_hz):
+    """On a grid between its samples a straight line would show the next one in advance."""
+    slow = recordings[1].resampled(rate_hz)
+    compensator = train([slow], "force", Options(sizes=(2,), restarts=1, engine="fast"))
+    told = predicted(compensator, slow.time_s, slow["resistance_ohm"]).value
+    (row,) = score_recordings(compensator, [slow])["recordings"]
+    assert (row["role"], row["samples"]) == ("training", len(slow))
+    assert row["r2_after"] == pytest.approx(score.r2(slow["force_N"], told), abs=1e-12)
+
+
+def test_a_trace_keeps_its_times(recordings):
+    """Seconds since 1970, to the microsecond."""
+    compensator = train(recordings[:1], "force", Options(sizes=(2,), restarts=1, engine="fast"))
+    since_1970 = replace(recordings[1], time_s=recordings[1].time_s + 1.7e9)
+    (row,) = score_recordings(compensator, [since_1970])["recordings"]
+    for trace in (row["trace"], *row["zooms"]):
+        steps_s = np.diff(trace["time_s"])
+        assert steps_s.min() == pytest.approx(steps_s.max(), abs=2e-6)
+    assert row["trace"]["time_s"][0] == pytest.approx(since_1970.time_s[0], abs=1e-6)
 
 
 def test_a_gap_is_no_part_of_a_score(recordings):
@@ -75,3 +100,31 @@ def test_a_reference_was_not_held_out(recordings):
     scores = score_recordings(found, recordings)
     assert [row["role"] for row in scores["recordings"]] == ["training", "reference", "held-out"]
     assert scores["summary"]["recordings"] == 1
+    assert score_recordings(found, recordings[:2])["summary"]["over"] == "training and reference"
+
+
+def test_every_reference_is_known_by_what_was_read(recordings, tmp_path):
+    """Under whatever name, at rest as well, and the first of two recalibrations no less than the last."""
+    found = train(recordings[:1], "force", Options(sizes=(2,), restarts=1, engine="fast"))
+    minute = series_of(recordings[1].between(0.0, 60.0), "force", 20.0)
+    rest = series_of(recordings[2].between(0.0, 20.0), "force", 20.0)
+    for reference in (minute, replace(rest, truth=np.zeros(len(rest)))):
+        found = recalibrated(found, reference)
+    files.save(tmp_path / "c.json", found)
+    again = files.load(tmp_path / "c.json")
+    assert again.recipe == found.recipe
+    elsewhere = [replace(recording, source="elsewhere") for recording in recordings]
+    stranger = replace(recordings[1].between(60.0, 120.0), source=minute.source)
+    scores = score_recordings(again, [*elsewhere, stranger])
+    assert [row["role"] for row in scores["recordings"]] == ["training", "reference", "reference", "held-out"]
+
+
+def test_a_reference_of_an_older_file_is_known_by_its_path(recordings, tmp_path):
+    compensator = train(recordings[:1], "force", Options(sizes=(2,), restarts=1, engine="fast"))
+    old = replace(compensator, recipe={**compensator.recipe, "recalibrated": {"on": recordings[1].source}})
+    files.save(tmp_path / "c.json", old)
+    again = files.load(tmp_path / "c.json")
+    assert again.recipe["recalibrated"] == [{"on": recordings[1].source}]
+    assert [row["role"] for row in score_recordings(again, recordings[1:])["recordings"]] == ["reference", "held-out"]
+    found = recalibrated(again, series_of(recordings[2], "force", 20.0))
+    assert {row["role"] for row in score_recordings(found, recordings[1:])["recordings"]} == {"reference"}

@@ -77,6 +77,11 @@ def test_without_list_a_search_needs_its_arguments(capsys, tmp_path):
     assert "needs --target" in capsys.readouterr().err
 
 
+def test_bases_that_are_empty_are_no_default(capsys):
+    assert main(["search", "--list", "--bases", ""]) == 2
+    assert "--bases must be whole numbers from 2 to 256 with commas" in capsys.readouterr().err
+
+
 def some_jobs(count: int = 3, seeds: int = 2):
     return [(candidate, seed) for seed in range(seeds) for candidate in search_space.candidates()[: count * 40 : 40]]
 

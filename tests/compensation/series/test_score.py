@@ -63,6 +63,28 @@ def test_a_short_recording_has_shorter_blocks_or_no_interval(duration_s, has_one
         assert interval[0] < score.r2(truth, prediction) < interval[1]
 
 
+def errors_at(time_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A target and a prediction of it, the same at every sample whatever its time."""
+    recorded_s = 0.05 * np.arange(len(time_s))
+    return np.sin(recorded_s), np.sin(recorded_s) + 0.3 * np.sin(recorded_s / 5)
+
+
+def test_a_gap_is_no_block():
+    """Nothing was recorded there: the interval is that of what was, as if the gap were closed."""
+    whole_s = np.arange(0, 300, 0.05)
+    paused_s = whole_s + 600.0 * (whole_s > 150)
+    expected = score.block_interval(*errors_at(whole_s), whole_s)
+    assert score.block_interval(*errors_at(paused_s), paused_s) == pytest.approx(expected, abs=0.02)
+    short_s = np.arange(0, 80, 0.05)
+    paused_s = short_s + 600.0 * (short_s > 40)
+    assert score.block_interval(*errors_at(paused_s), paused_s) is None
+
+
+def test_blocks_without_a_sample_are_no_blocks():
+    time_s = np.array([0.0, 60.0, 120.0])
+    assert score.block_interval(*errors_at(time_s), time_s) is None
+
+
 @pytest.mark.parametrize("count", [3, 4, 5, 8])
 def test_an_interval_over_few_recordings_covers_what_it_says(count):
     """Recordings whose errors differ in size: a bootstrap over them covered 70 %."""

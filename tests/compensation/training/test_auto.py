@@ -15,6 +15,7 @@ from compensation.model.streaming import CompensatorStream
 from compensation.paper.paper_campaigns import campaigns
 from compensation.series import score
 from compensation.series.preprocessing import Series, series_of
+from compensation.training import auto
 from compensation.training.auto import LEARNERS, cross_validated, steps, train_automatically
 from compensation.training.folds import folds_of, whole_recordings
 from compensation.training.learners import Ridge, linear
@@ -24,6 +25,7 @@ from compensation.training.options import Options
 from compensation.training.stacking import STACKED, choose, stacked, weights_of
 from gcode.support.errors import UserError
 from testbench.recordings.files import write_recording_csv
+from tests.compensation.conftest import paused
 from tests.compensation.model.test_runtime import cold_starts
 
 
@@ -52,6 +54,18 @@ def test_it_beats_the_line_on_a_knit_and_says_by_how_much(trained, series):
     line = [score.rho_squared(part.truth, part.conductance_S) for part in series[1:]]
     assert np.mean(held_out) > np.mean(line) + 0.01
     assert np.mean(held_out) == pytest.approx(promise["r2"], abs=0.05)
+
+
+def test_the_interval_of_a_training_with_a_gap_is_that_of_what_was_recorded(recordings):
+    """80 s give none, whatever lies between them; 240 s give the same with a gap and without."""
+
+    def interval(recording):
+        part = series_of(recording, "force", 20.0)
+        error = np.sin(np.arange(len(part)) / 100)
+        return auto._interval(part.truth, part.truth + 0.1 * part.truth.std() * error, [part])
+
+    assert interval(paused(recordings[0].between(0.0, 80.0), 40.0, 600.0)) is None
+    assert interval(paused(recordings[0], 120.0, 600.0)) == pytest.approx(interval(recordings[0]), abs=1e-3)
 
 
 @pytest.mark.slow

@@ -15,8 +15,10 @@ from compensation.training.options import Options
 from compensation.training.recalibration import Correction, correction, recalibrated
 from compensation.training.training import train
 from gcode.support.errors import UserError
+from testbench.recordings import doubts
 from testbench.recordings.files import write_recording_csv
 from testbench.recordings.recording import Recording
+from tests.compensation.conftest import paused
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +53,8 @@ def test_a_minute_makes_up_for_another_resistance(compensator, test_part, gain):
     assert lost > 0.1
     # The spreads hold it back: a minute is not trusted to make up for everything.
     assert right - r2(found) < 0.6 * lost
-    assert found.recipe["recalibrated"]["rms_after"] < found.recipe["recalibrated"]["rms_before"]
+    (note,) = found.recipe["recalibrated"]
+    assert note["rms_after"] < note["rms_before"]
     assert compensator.recipe.get("recalibrated") is None
 
 
@@ -91,10 +94,70 @@ def test_the_command_saves_what_predict_reads(compensator, recordings, tmp_path,
     argv = ["recalibrate", str(tmp_path / "c.json"), str(tmp_path / "r.csv"), "-o", str(out)]
     assert main([*argv, "--seconds", "45"]) == 0
     assert "45 s of reference" in capsys.readouterr().out
-    assert compensator_files.load(out).recipe["recalibrated"]["seconds"] == pytest.approx(45, abs=0.1)
+    assert compensator_files.load(out).recipe["recalibrated"][0]["seconds"] == pytest.approx(45, abs=0.1)
     assert main([*argv, "--seconds", "6"]) == 0
     assert main([*argv, "--seconds", "2"]) == 2
     assert "--seconds must be a number from 5 on" in capsys.readouterr().err
+
+
+def test_a_gap_is_no_reference(compensator, recordings, tmp_path, capsys, caplog, monkeypatch):
+    """It does not count as time that says anything, it is not a straight line, and it is said."""
+    monkeypatch.setattr(doubts, "_SAID", set())
+    compensator_files.save(tmp_path / "c.json", compensator)
+    argv = ["recalibrate", str(tmp_path / "c.json"), str(tmp_path / "r.csv"), "-o", str(tmp_path / "new.json")]
+    write_recording_csv(tmp_path / "r.csv", paused(recordings[1], 12.0, 30.0))
+    assert main([*argv, "--seconds", "42"]) == 0
+    assert "12 s of reference" in capsys.readouterr().out
+    assert "nothing was recorded in 30.0" in caplog.text
+    assert main([*argv, "--seconds", "20"]) == 0
+    assert "12 s of reference" in capsys.readouterr().out
+    write_recording_csv(tmp_path / "r.csv", paused(recordings[1], 3.0, 30.0))
+    assert main([*argv, "--seconds", "20"]) == 2
+    assert "3.0 s of reference; a recalibration needs at least 5 s" in capsys.readouterr().err
+
+
+def test_a_gap_weighs_nothing(compensator, test_part):
+    """Ten minutes of nothing in a minute of reference leave the correction where it was."""
+    other = changed(first(test_part, 60), 1.3)
+    with_gap = replace(other, time_s=other.time_s + 600.0 * (other.time_s > other.time_s[0] + 59))
+    found, expected = (vars(correction(compensator, one)) for one in (with_gap, other))
+    assert found == pytest.approx(expected, abs=0.02)
+
+
+def test_a_rest_with_a_gap_has_no_points_in_it(compensator, recordings, tmp_path):
+    rest = still(recordings[1], resistance_ohm=float(recordings[1]["resistance_ohm"][0]))
+    write_recording_csv(tmp_path / "rest.csv", paused(rest, 5.0, 30.0))
+    out = tmp_path / "new.json"
+    compensator_files.save(tmp_path / "c.json", compensator)
+    words = ["recalibrate", str(tmp_path / "c.json"), str(tmp_path / "rest.csv"), "--rest", "--seconds", "40"]
+    assert main([*words, "-o", str(out)]) == 0
+    assert compensator_files.load(out).recipe["recalibrated"][0]["seconds"] == pytest.approx(10.0, abs=0.2)
+
+
+@pytest.mark.parametrize("rate_hz", [None, 10.0, 7.0])
+@pytest.mark.parametrize("begin_s", [0.0, 1.7e9])
+@pytest.mark.parametrize("irregular", [True, False])
+@pytest.mark.parametrize("rest", [True, False])
+def test_the_least_reference_is_enough(compensator, recordings, tmp_path, rate_hz, begin_s, irregular, rest):
+    """Five seconds that are asked for are five, wherever the samples lie."""
+    part = recordings[1] if rate_hz is None else recordings[1].resampled(rate_hz)
+    part = replace(still(part, resistance_ohm=float(part["resistance_ohm"][0])), time_s=part.time_s + begin_s)
+    write_recording_csv(tmp_path / "r.csv", part)
+    compensator_files.save(tmp_path / "c.json", replace(compensator, irregular=irregular))
+    words = ["recalibrate", str(tmp_path / "c.json"), str(tmp_path / "r.csv"), "--seconds", "5"]
+    assert main([*words, "-o", str(tmp_path / "new.json"), *(["--rest"] if rest else [])]) == 0
+
+
+def test_a_reference_in_another_unit_is_asked_about(compensator, recordings, tmp_path, caplog, monkeypatch):
+    monkeypatch.setattr(doubts, "_SAID", set())
+    compensator_files.save(tmp_path / "c.json", compensator)
+    argv = ["recalibrate", str(tmp_path / "c.json"), str(tmp_path / "r.csv"), "-o", str(tmp_path / "new.json")]
+    for factor in (1.0, 1e-3):
+        ohm = factor * recordings[1]["resistance_ohm"]
+        part = replace(recordings[1], channels={**recordings[1].channels, "resistance_ohm": ohm})
+        write_recording_csv(tmp_path / "r.csv", part)
+        assert main(argv) == 0
+        assert ("r.csv: no sample has a conductance" in caplog.text) == (factor != 1.0)
 
 
 def still(recording: Recording, **channels: float) -> Recording:

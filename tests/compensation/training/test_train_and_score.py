@@ -108,7 +108,7 @@ def test_the_test_recording_does_not_leak_into_the_scaler(compensator, recording
     ("change", "match"),
     [
         ({"format": "other"}, "not a compensator"),
-        ({"version": 9}, "version 9"),
+        ({"version": 9}, "version 9; this knitbench reads 2, 3 and 4$"),
         ({"rate_hz": -1.0}, "rate_hz"),
         ({"sign": 0.5}, "changed after it was saved"),
         ({"alphas": [0.5]}, "does not take 1 inputs"),

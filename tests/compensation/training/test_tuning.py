@@ -13,6 +13,7 @@ from compensation.training.lessons import HISTORY_SPREAD, STATE_SHIFT, Lessons, 
 from compensation.training.options import Options
 from compensation.training.training import train
 from gcode.support.errors import UserError
+from tests.compensation.conftest import paused
 
 QUICK = Options(engine="fast")
 
@@ -63,6 +64,12 @@ def test_cross_validation_never_sees_what_it_is_judged_on(recordings, monkeypatc
     assert len(seen) == sum(folds * networks for folds, networks in tuning.FOLDS)
     assert {round(1 / np.mean(~kept)) for kept in seen} == {2, 4}
     assert all(np.count_nonzero(np.diff(kept)) <= 2 for kept in seen)
+
+
+def test_a_minute_of_rows_is_one_of_what_was_recorded(recordings):
+    """Errors are compared minute by minute: a gap of ten would make minutes of a few seconds."""
+    part = series_of(paused(recordings[0], 120.0, 600.0), "force", 20.0)
+    assert lessons([part], "force", QUICK).block_rows == pytest.approx(1200, rel=0.01)
 
 
 def test_lessons_are_standardised_and_the_networks_take_raw_features(recordings):
