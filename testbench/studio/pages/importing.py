@@ -21,6 +21,7 @@ from testbench.studio.importing.import_words import TITLES, page_words
 from testbench.studio.importing.raw_lines import raw_table
 from testbench.studio.jobs.job import Job, State
 from testbench.studio.parts.address import Address, address
+from testbench.studio.parts.fields import check, number_field
 from testbench.studio.parts.job_card import job_card
 from testbench.studio.parts.widgets import (
     aside,
@@ -127,15 +128,14 @@ class _Form:
     def _last(self, path: Path) -> None:
         """Gauge length, name, and the button; what comes of it appears right below."""
         free = self.where.query["name"] or re.sub(r"[^A-Za-z0-9._-]+", "-", path.stem).strip("-.") or "imported"
-        with ui.row().classes("items-center"):
-            gauge = ui.number("Gauge length / mm", min=0.001, format="%.6g").props("outlined dense")
-            gauge.tooltip("length of the sensor between the clamps at rest").bind_value(
-                self.choices, "gauge_length_mm"
-            )
+        with ui.row().classes("items-start"):
+            self.gauge = number_field("Gauge length / mm", None, optional=True)
+            self.gauge.tooltip("length of the sensor between the clamps at rest")
+            self.gauge.bind_value(self.choices, "gauge_length_mm")
             self.name = ui.input("Campaign name", value=free).props("outlined dense")
             self.name.on_value_change(self._named)
             boxes = ("Put rows in the order of time", "sort"), ("Leave out rows that cannot be used", "drop_bad")
-            fields: list[ValueElement] = [gauge]
+            fields: list[ValueElement] = [self.gauge]
             fields += [ui.checkbox(title).bind_value(self.choices, key) for title, key in boxes]
             for field in fields:
                 field.on_value_change(self._note)
@@ -197,6 +197,7 @@ class _Form:
         """The command that imports; empty where something is missing, which is said until it is there."""
         self.result.clear()
         try:
+            check(self.gauge, *self.columns.numbers)
             argv = self._command(self.name.value)
         except UserError as error:
             with self.result:

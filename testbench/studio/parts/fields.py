@@ -13,6 +13,8 @@ from nicegui.events import ValueChangeEventArguments
 from gcode.support.errors import UserError
 from testbench.studio.parts.address import Address
 
+Rules = dict[str, Callable[[float | None], bool]]  # what is said where a value does not keep a rule, and the rule
+
 # Where a browser's language has no decimal comma, it drops the comma of 25,5 without a word.
 COMMA_IS_A_POINT = """(e) => {
   if (e.key === ',') { e.preventDefault(); document.execCommand('insertText', false, '.'); }
@@ -36,15 +38,22 @@ def number_field(
     optional : bool
         It may be left empty.
     """
-    name = label.partition(" / ")[0].lower()
-    rules = _rules(name, positive and not whole, whole, optional)
-    field = ui.number(label, value=value, validation=rules).props("outlined dense bottom-slots")
-    field.on("keydown", js_handler=COMMA_IS_A_POINT)
-    return field.style("width:178px").without_auto_validation()
+    name = label.partition(" / ")[0]
+    name = name[0].lower() + name[1:]
+    field = comma_taking_number(label, value, _rules(name, positive and not whole, whole, optional))
+    return field.props("bottom-slots").style("width:178px").without_auto_validation()
 
 
-def _rules(name: str, positive: bool, whole: bool, optional: bool) -> dict[str, Callable[[float | None], bool]]:
-    rules: dict[str, Callable[[float | None], bool]] = {}
+def comma_taking_number(
+    label: str, value: float | None = None, rules: Rules | None = None, look: str | None = None
+) -> ui.number:
+    """A field for a number as every page has it: a decimal comma becomes a point; `look` is as in ``%.6g``."""
+    field = ui.number(label, value=value, validation=rules, format=look).props("outlined dense")
+    return field.on("keydown", js_handler=COMMA_IS_A_POINT)
+
+
+def _rules(name: str, positive: bool, whole: bool, optional: bool) -> Rules:
+    rules: Rules = {}
     if not optional:
         rules[f"Give the {name}."] = lambda value: value is not None
     if whole:

@@ -105,6 +105,24 @@ async def test_clocks_that_cannot_be_told_apart_lead_to_where_they_are_chosen(us
     await user.should_see("a clock of its own, see “Other quantities, and several clocks”", retries=100)
 
 
+async def test_a_number_that_an_import_cannot_take_is_refused_in_words(user: User, tmp_path: Path) -> None:
+    path = tmp_path / "plain.csv"
+    path.write_text("".join(f"{n % 9},{n % 7},{n % 5}\n" for n in range(60)))
+    told = json.dumps({"columns": {"displacement": "1", "force": "3"}, "units": {"displacement": "mm", "force": "N"}})
+    await user.open(address("/import", file=str(path), chosen=told))
+    await user.should_see("Sampling rate / Hz", retries=100)
+    user.find(kind=ui.number, content="Sampling rate / Hz").type("-20")
+    user.find(kind=ui.button, content="Import").click()
+    await user.should_see("The sampling rate must be more than 0.")
+    user.find("Header row").type("-1")
+    user.find(kind=ui.number, content="Gauge length / mm").type("-5").trigger("blur")
+    assert numbers(user)["Gauge length / mm"] == -5
+    user.find(kind=ui.button, content="Import").click()
+    await user.should_see("The gauge length must be more than 0.")
+    fields = {field.props["label"]: field for field in user.find(kind=ui.number).elements}
+    assert fields["Header row"].error == "The header row must be a whole number, 0 or more."
+
+
 def numbers(user: User) -> dict[str, float | None]:
     """What stands in every field for a number, by its label."""
     return {field.props["label"]: field.value for field in user.find(kind=ui.number).elements}
