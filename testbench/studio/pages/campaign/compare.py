@@ -39,6 +39,7 @@ from testbench.studio.parts.widgets import (
     way_on,
 )
 from testbench.studio.studio import Studio
+from testbench.studio.workspace import Campaign
 
 if TYPE_CHECKING:
     from testbench.api.models.comparing import ComparisonResult
@@ -119,7 +120,10 @@ def _choose(studio: Studio, c: str, on: str, where: Address, held: str) -> None:
     others = [other.name for other in studio.workspace.campaigns() if other.gauge_length_mm == own.gauge_length_mm]
     if on not in others:
         there = studio.workspace.campaign(on)
-        raise UserError(f"{on} has another gauge length than {c}: {there.gauge_length_mm:g} mm")
+        raise UserError(
+            f"a model is compared with recordings of its own gauge length; that of {c} has {_gauge_in_words(own)}, "
+            f"and {on} has {_gauge_in_words(there)}: choose another recording"
+        )
     names = {name: f"{name} ({_role(name, c, held)})" if _role(name, c, held) else name for name in others}
     models = {"": "(none)", **beside_choices(studio, c)}
     beside = where.query["beside"] if where.query["beside"] in models else ""
@@ -133,6 +137,10 @@ def _choose(studio: Studio, c: str, on: str, where: Address, held: str) -> None:
         with ui.row().classes("items-center gap-2"):
             quantity_toggle(where)
             way_on("What is missing?", "search", address("/missing", c=c, show=where.query["show"]))
+
+
+def _gauge_in_words(campaign: Campaign) -> str:
+    return "none" if campaign.gauge_length_mm is None else f"{campaign.gauge_length_mm:g} mm"
 
 
 def _role(name: str, c: str, held: str) -> str:

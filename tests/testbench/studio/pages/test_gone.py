@@ -11,6 +11,7 @@ from nicegui.testing import User
 
 from gcode.support.errors import UserError
 from gcode.support.files import write_json
+from testbench.cli import main as run_testbench
 from testbench.studio import models
 from testbench.studio.pages import campaign_card
 from testbench.studio.parts.fields import written
@@ -46,6 +47,15 @@ async def test_every_step_of_a_ladder_has_an_address(user: User, fitted: Studio)
 async def test_a_link_to_a_recording_that_is_gone_is_a_sentence(user: User, fitted: Studio) -> None:
     await user.open("/compare?c=sleeve&on=gone")
     await user.should_see("no campaign 'gone'")
+
+
+async def test_a_recording_without_a_gauge_length_is_refused_in_a_sentence(
+    user: User, fitted: Studio, tmp_path: Path
+) -> None:
+    (tmp_path / "grip.csv").write_text("time_s,force_N,resistance_ohm\n0,0.1,900\n0.1,0.2,910\n0.2,0.3,930\n")
+    assert run_testbench(["import", str(tmp_path / "grip.csv"), "-o", str(fitted.workspace.root / "grip")]) == 0
+    await user.open("/compare?c=sleeve&on=grip")
+    await user.should_see("that of sleeve has 25 mm, and grip has none: choose another recording")
 
 
 async def test_own_effects_that_are_not_text_are_not_used_and_those_of_the_workspace_are_found_again(
