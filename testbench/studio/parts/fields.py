@@ -22,7 +22,12 @@ COMMA_IS_A_POINT = """(e) => {
 
 
 def number_field(
-    label: str, value: float | None, positive: bool = True, whole: bool = False, optional: bool = False
+    label: str,
+    value: float | None,
+    positive: bool = True,
+    whole: bool = False,
+    optional: bool = False,
+    most: int | None = None,
 ) -> ui.number:
     """A field for a number.
 
@@ -37,10 +42,17 @@ def number_field(
         Only whole numbers from 0 on.
     optional : bool
         It may be left empty.
+    most : int, optional
+        Only whole numbers from 1 to this one.
     """
     name = label.partition(" / ")[0]
     name = name[0].lower() + name[1:]
-    field = comma_taking_number(label, value, _rules(name, positive and not whole, whole, optional))
+    rules = _rules(name, positive and not whole, whole, optional)
+    if most is not None:
+        rules[f"Give a whole number from 1 to {most}."] = lambda value: (
+            value is None or (1 <= value <= most and value == int(value))
+        )
+    field = comma_taking_number(label, value, rules)
     return field.props("bottom-slots").style("width:178px").without_auto_validation()
 
 

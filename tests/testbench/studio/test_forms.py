@@ -123,6 +123,14 @@ async def test_a_number_that_an_import_cannot_take_is_refused_in_words(user: Use
     assert fields["Header row"].error == "The header row must be a whole number, 0 or more."
 
 
+async def test_more_laws_than_are_looked_for_are_refused_in_words(user: User, fitted: Studio) -> None:
+    await user.open("/propose?c=sleeve")
+    user.find("Laws at most").clear().type("99").trigger("blur")
+    user.find(kind=ui.button, content="Look for a law").click()
+    await user.should_see("Give a whole number from 1 to 4.")
+    assert not fitted.jobs.jobs
+
+
 def numbers(user: User) -> dict[str, float | None]:
     """What stands in every field for a number, by its label."""
     return {field.props["label"]: field.value for field in user.find(kind=ui.number).elements}
