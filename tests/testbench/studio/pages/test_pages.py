@@ -93,6 +93,42 @@ async def test_a_score_is_shown_with_its_figures(user: User, studio: Studio) -> 
     await user.should_see("pes-A (held-out)")
 
 
+async def test_a_new_training_takes_the_old_score_away(
+    user: User, studio: Studio, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    studio.make_results("train:sleeve:force")
+    score = studio.workspace.results("sleeve") / "force.score.json"
+    score.write_text(json.dumps(samples.score()))
+    monkeypatch.setattr("testbench.studio.pages.campaign.compensate.run_in_turn", lambda *_: None)
+    await user.open("/compensate?c=sleeve")
+    user.find(kind=ui.button, content="Train").click()
+    await asyncio.sleep(0.1)
+    assert not score.exists()
+    (score.parent / "force.compensator.json").write_text("{}")
+    await user.open("/compensate?c=sleeve")
+    await user.should_see("has no score; every training ends with one")
+    await user.should_see("Compensator as JSON")
+
+
+async def test_a_compensator_is_judged_on_campaigns_that_have_what_it_needs(
+    user: User, studio: Studio, tmp_path: Path
+) -> None:
+    shutil.copytree(studio.workspace.root / "sleeve", studio.workspace.root / "cuff")
+    (tmp_path / "pull.csv").write_text("time_s,displacement_mm,force_N\n0,0,0.1\n0.01,1,0.2\n")
+    argv = [
+        "import",
+        str(tmp_path / "pull.csv"),
+        "--gauge-length-mm",
+        "25",
+        "-o",
+        str(studio.workspace.root / "pull"),
+    ]
+    assert run_testbench(argv) == 0
+    await user.open("/compensate?c=sleeve")
+    (judged,) = user.find(kind=ui.select, content="Judged on").elements
+    assert judged.options == ["cuff"]
+
+
 async def test_a_new_effect_starts_from_the_template_and_is_checked(user: User, studio: Studio) -> None:
     await user.open("/effects")
     user.find("Name of a new effect").type("My Effect")
