@@ -22,7 +22,7 @@ from testbench.report.words import PANEL_UNITS
 from testbench.report.worst_places import Spot, noise_reached
 from testbench.studio.beside import Beside, beside_choices, beside_of, side_by_side
 from testbench.studio.memory import stamp
-from testbench.studio.models import LAST_THIRD, PLAY, add_fit_form, has_model, held_out_of, model_path
+from testbench.studio.models import LAST_THIRD, PLAY, add_fit_form, has_model, held_out_of, model_path, refit_instead
 from testbench.studio.parts.address import Address, address, span_of
 from testbench.studio.parts.picture import Span, ZoomingPlot, plot, zooming_plot
 from testbench.studio.parts.widgets import (
@@ -81,7 +81,12 @@ async def page(
     on = on or (c if held == LAST_THIRD else held)
     where = Address("/compare", c=c, on=on, show=show, start=start, end=end, beside=beside)
     _choose(studio, c, on, where, held)
-    view = await aside(view_of, studio, c, on, beside)
+    try:
+        view = await aside(view_of, studio, c, on, beside)
+    except UserError:
+        if await refit_instead(studio, c):
+            return
+        raise
     shown = view.both.in_resistance() if show == RESISTANCE else view.both
     facts(_errors(view, shown))
     for note in view.notes:

@@ -10,6 +10,7 @@ from urllib.parse import quote
 
 from nicegui import ui
 
+from gcode.support.errors import UserError
 from testbench.comparing.numbers import plain
 from testbench.comparing.words import spoken
 from testbench.report.figures import diagnosis_figures
@@ -52,7 +53,13 @@ async def page(studio: Studio, c: str = "", step: str = "", show: str = "") -> N
         return
     where = Address("/ladder", c=c, step=step, show=show)
     looked_at = asked(where, "step", None)
-    await (await aside(_Ladder, studio, c, where)).build(-1 if looked_at is None else int(looked_at))
+    try:
+        ladder = await aside(_Ladder, studio, c, where)
+    except UserError:
+        if await models.refit_instead(studio, c):
+            return
+        raise
+    await ladder.build(-1 if looked_at is None else int(looked_at))
 
 
 class _Ladder:

@@ -36,6 +36,27 @@ async def test_a_model_is_not_judged_on_what_it_was_fitted_on_where_the_held_out
         models.add_command(fitted, "sleeve", "stress_relaxation")
 
 
+@pytest.mark.parametrize("page", ["/compare", "/ladder"])
+async def test_a_model_whose_own_effect_is_gone_leads_to_the_effects_and_to_another_baseline(
+    user: User, fitted: Studio, page: str
+) -> None:
+    path = models.model_path(fitted, "sleeve")
+    told = json.loads(path.read_text())
+    own = {"name": "mine", "effect": "mine", "parameters": {"gain": 1.0}}
+    told["effects"].append(own)
+    told["history"][-1]["model"]["effects"].append(own)
+    write_json(path, told)
+    await user.open(f"{page}?c=sleeve")
+    await user.should_see("The model of sleeve has mine, which no effect here is called.", retries=50)
+    await user.should_not_see("--effects")
+    await user.should_see("Fit the baseline anew")
+    fitted.effects_path.write_text("1 / 0\n")
+    fitted.agree_to_effects()
+    await user.open(f"{page}?c=sleeve")
+    await user.should_see("effects.py: cannot be loaded: ZeroDivisionError", retries=50)
+    await user.should_see("Fit the baseline anew")
+
+
 async def test_every_step_of_a_ladder_has_an_address(user: User, fitted: Studio) -> None:
     for step in ("0", "7", ""):
         await user.open(f"/ladder?c=sleeve&step={step}")
