@@ -26,7 +26,7 @@ from testbench.report.figures.comparison_figures import Overlay
 from testbench.report.figures.ladder_figures import Step
 from testbench.report.parameter_table import parameter_table
 from testbench.report.words import PANEL_UNITS
-from testbench.report.worst_places import beyond_noise
+from testbench.report.worst_places import beyond_noise, why_no_place
 
 # How far above the noise is told of ln G, which was fitted: the same share of the resistance.
 LOGARITHM = {"resistance": "conductance"}
@@ -70,7 +70,7 @@ def comparison_section(both: Overlay, comparison: Mapping[str, Any], maps: Mappi
         ]
         items.append(Table(("", "Where it fails, the worst first", "Share of the squared error"), rows))
     else:
-        items.append("No place stands out from the noise.")
+        items.append(why_no_place(comparison["channels"]))
     caption = "Measured and modelled, and the residual under each; the grey band is twice the noise floor."
     items.append(Picture("comparison-time", comparison_figures.overlay(both), caption))
     items.append(Picture("comparison-loops", comparison_figures.modelled_loops(both), "The same as loops."))

@@ -19,7 +19,7 @@ from testbench.report.figures import comparison_figures as figures
 from testbench.report.figures import residual_figures
 from testbench.report.figures.comparison_figures import Overlay
 from testbench.report.words import PANEL_UNITS
-from testbench.report.worst_places import Spot, noise_reached
+from testbench.report.worst_places import Spot, noise_reached, why_no_place
 from testbench.studio.beside import Beside, beside_choices, beside_of, side_by_side
 from testbench.studio.memory import stamp
 from testbench.studio.models import LAST_THIRD, PLAY, add_fit_form, has_model, held_out_of, model_path, refit_instead
@@ -242,8 +242,9 @@ def _worst(view: View, seen: ZoomingPlot) -> None:
                 ui.label(str(number)).classes("rank")
                 ui.label(spot.words).classes("grow words")
                 ui.label(f"{100 * spot.share_of_error:.0f} % of the squared error").classes("tag")
-        quiet = noise_reached(view.comparison["channels"])
+        channels = view.comparison["channels"]
+        quiet = noise_reached(channels)
         if quiet:
             ui.label(f"Nothing but noise is left in the {' and the '.join(quiet)}.").classes("quiet")
-        elif not view.spots:
-            ui.label("No place stands out from the noise.").classes("quiet")
+        if not view.spots and len(quiet) < len(channels):
+            ui.label(why_no_place(channels)).classes("quiet")
