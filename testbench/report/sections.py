@@ -41,8 +41,7 @@ def recording_section(recording: Recording, title: str, key: str, resistance: bo
     ]
     loops = recording_figures.hysteresis_loops(recording, resistance)
     if loops:
-        caption = "Loops of six half minutes, the first dark, the last light: a shift along the colours is drift."
-        items.append(Picture(f"{key}-loops", loops, caption))
+        items.append(Picture(f"{key}-loops", loops, recording_figures.loops_caption(recording)))
     shares = recording_figures.distributions(recording, resistance)
     if shares:
         caption = "How often each value occurred; the speed is taken at 20 Hz."
@@ -162,7 +161,7 @@ def compensator_section(score: Mapping[str, Any]) -> Section:
         items.append(Picture("compensator-scores", figure, caption))
     caption = (
         f"{short_name(shown['source'])} ({shown['role']}): {symbol} as measured, G rescaled to it, and p made from G "
-        "alone; below, the first and the last minute."
+        f"alone; below, {compensator_figures.ends_in_words(shown)}."
     )
     items.append(Picture("compensator-time", compensator_figures.over_time(shown, target), caption))
     items.append(

@@ -18,6 +18,7 @@ from testbench.report.document import Table
 from testbench.report.figures import comparison_figures as figures
 from testbench.report.figures import residual_figures
 from testbench.report.figures.comparison_figures import Overlay
+from testbench.report.figures.recording_figures import stretches_in_words
 from testbench.report.words import PANEL_UNITS
 from testbench.report.worst_places import Spot, noise_reached, why_no_place
 from testbench.studio.beside import Beside, beside_choices, beside_of, side_by_side
@@ -105,7 +106,8 @@ async def page(
 
 
 def _below(view: View, shown: Overlay) -> None:
-    plot(figures.modelled_loops(shown), "The same as hysteresis loops, three half minutes.")
+    loops = f"The same as hysteresis loops: {stretches_in_words(shown.time_s, figures.LOOPS)}."
+    plot(figures.modelled_loops(shown), loops)
     if view.parameters:
         subheading("The model's parameters", "As fitted; what speaks against a value stands beside it.")
         table(view.parameters.head, view.parameters.rows, view.parameters.caption)

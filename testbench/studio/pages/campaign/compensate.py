@@ -175,7 +175,7 @@ def _recordings(rows: list[dict[str, Any]], names: list[str], target: str) -> No
     def show(row: dict[str, Any]) -> None:
         holder.clear()
         with holder:
-            plot(figures.over_time(row, target), "The whole recording; below, its first and its last minute.")
+            plot(figures.over_time(row, target), f"The whole recording; below, {figures.ends_in_words(row)}.")
             plot(figures.scatter(row, target), "Against the measurement: on the line, the sensor would be right.")
 
     tabs.on_value_change(lambda event: show(rows[int(event.value)]))

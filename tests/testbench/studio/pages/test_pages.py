@@ -15,6 +15,7 @@ import tests.testbench.report.samples as samples
 from gcode.cli import main as gcode
 from gcode.support.errors import UserError
 from testbench.cli import main as run_testbench
+from testbench.studio.pages import plan
 from testbench.studio.parts import widgets
 from testbench.studio.parts.address import address
 from testbench.studio.parts.picture import Picture, zoomed_span
@@ -199,6 +200,13 @@ async def test_a_broken_effect_is_said_not_thrown(user: User, studio: Studio) ->
     await user.should_see("ZeroDivisionError", retries=150)
 
 
+async def test_a_travel_that_begins_at_nothing_has_no_sign() -> None:
+    speeds = {"v_mean_mm_per_s": 1.0, "v_max_mm_per_s": 2.0, "a_max_mm_per_s2": 3.0}
+    told = dict(plan._figures({"duration_s": 30.0, "x_min_mm": -1e-9, "x_max_mm": 6.36, **speeds}))
+    assert told["Travel"] == "0.00 to 6.36 mm"
+    assert told["Duration"] == "30 s"
+
+
 async def test_addresses_carry_any_name() -> None:
     assert address("/recording", c="a b/ü&c", on=None) == "/recording?c=a+b%2F%C3%BC%26c"
 
@@ -225,7 +233,7 @@ async def test_a_compensator_is_compared_where_no_model_was_fitted(user: User, s
     studio.make_results("train:sleeve:force")
     (studio.workspace.results("sleeve") / "force.score.json").write_text(json.dumps(samples.score()))
     await user.open("/side?a=sleeve&b=sleeve")
-    await user.should_see("six half minutes", retries=50)
+    await user.should_see("sleeve: the whole recording.", retries=50)
     assert any("r² of the force, compensated" in html.content for html in user.find(kind=ui.html).elements)
 
 
