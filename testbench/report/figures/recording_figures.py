@@ -148,9 +148,8 @@ def stretches_in_words(time_s: FloatArray, count: int = LOOPS) -> str:
     if len(stretches(time_s, count)) == 1:
         return "the whole recording"
     length_s = _stretch_s(time_s)
-    return (
-        f"{COUNTED[count]} half minutes" if length_s == LOOP_S else f"{COUNTED[count]} stretches of {length_s:.0f} s"
-    )
+    long = "half minutes" if length_s == LOOP_S else f"stretches of {length_s:.0f} s"
+    return f"{COUNTED[count]} {long}"
 
 
 def loops_in_words(time_s: FloatArray) -> str:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 
 from nicegui import ui
 from nicegui.elements.mixins.value_element import ValueElement
@@ -124,6 +126,19 @@ def check(*fields: ui.number) -> None:
 def typed(field: ui.number) -> str:
     """The number as it was typed."""
     return written(field.value)
+
+
+def typed_path(text: str | None, label: str, remedy: str) -> Path:
+    """What stands in the field `label` for a file on this machine, as a shell would take it.
+
+    Raises
+    ------
+    UserError
+        If nothing does; it says the `remedy`.
+    """
+    if not text or not text.strip():
+        raise UserError(f"“{label}” is empty: {remedy}")
+    return Path(os.path.expanduser(text.strip()))
 
 
 def written(value: float) -> str:

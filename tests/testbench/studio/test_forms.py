@@ -154,6 +154,21 @@ async def test_a_file_is_named_as_in_a_shell(user: User, tmp_path: Path, monkeyp
     await user.should_see("Found: names in row 1", retries=50)
 
 
+async def test_enter_reads_the_file_and_its_letters_name_the_campaign(user: User, tmp_path: Path) -> None:
+    path = exports.testxpert(tmp_path).rename(tmp_path / "Probe Süß 7 (Nässe).txt")
+    await user.open("/import")
+    user.find("File on this machine").type(str(path)).trigger("keydown.enter")
+    await user.should_see("Found: names in row 1", retries=50)
+    (name,) = user.find(kind=ui.input, content="Campaign name").elements
+    assert name.value == "Probe-Süß-7-Nässe"
+
+
+async def test_what_the_uploader_rejects_is_said(user: User) -> None:
+    await user.open("/import")
+    user.find(kind=ui.upload).trigger("rejected", args=[["accept", "notes.pdf"]])
+    await user.should_see("notes.pdf: no file of a kind that can be read")
+
+
 async def test_what_a_person_says_of_a_specimen_may_begin_with_a_dash(
     user: User, studio: Studio, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -157,6 +157,33 @@ async def test_own_effects_may_lie_in_a_file_elsewhere(user: User, studio: Studi
     assert Studio(studio.workspace.root).effects_file == tmp_path / "mine.py"
 
 
+async def test_a_file_of_own_effects_is_named_as_in_a_shell_and_said_to_be_gone(
+    user: User, studio: Studio, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    (tmp_path / "lab").mkdir()
+    (tmp_path / "lab" / "mine.py").write_text("one = 1\n")
+    await user.open("/effects")
+    user.find("File in use").clear()
+    user.find("Use this file").click()
+    await user.should_see("“File in use” is empty: name a .py file on this machine")
+    monkeypatch.chdir(tmp_path)
+    user.find("File in use").type("lab/mine.py")
+    user.find("Use this file").click()
+    await user.should_see("lab/mine.py: no such Python file; give the full path")
+    user.find("File in use").clear().type(" ~/lab/mine.py ")
+    user.find("Use this file").click()
+    await asyncio.sleep(0.1)
+    assert studio.effects_file == tmp_path / "lab" / "mine.py"
+    shutil.rmtree(tmp_path / "lab")
+    await user.open("/effects")
+    await user.should_see("mine.py was pointed to, and is gone.")
+    await user.should_see(f"that of this workspace is {studio.own_effects}")
+    user.find(kind=ui.codemirror).type("two = 2\n")
+    user.find("Save and check").click()
+    await user.should_see("lab: no such folder. Bring it back, or use another file")
+
+
 async def test_somebody_elses_effects_are_not_run_unasked(user: User, studio: Studio, tmp_path: Path) -> None:
     ran = tmp_path / "ran"
     mine = "from testbench.effects import StressRelaxation\nclass Mine(StressRelaxation):\n    name = 'mine'\n"
