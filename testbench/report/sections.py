@@ -28,7 +28,7 @@ from testbench.report.parameter_table import parameter_table
 from testbench.report.words import PANEL_UNITS
 from testbench.report.worst_places import beyond_noise, why_no_place
 
-# How far above the noise is told of ln G, which was fitted: the same share of the resistance.
+# The channel that was compared where another is shown.
 LOGARITHM = {"resistance": "conductance"}
 
 
@@ -91,7 +91,8 @@ def errors_table(both: Overlay, channels: Mapping[str, Mapping[str, Any]]) -> Ta
         if name in LOGARITHM:
             rms, floor = float(np.std(both.residual(name))), both.noise_floor[name]
         unit = PANEL_UNITS[name]
-        rows.append((name, f"{plain(rms)} {unit}", f"{plain(floor, 2)} {unit}", f"{told['over_noise']:.1f} times"))
+        times = f"{rms / max(floor, 1e-300):.1f} times"
+        rows.append((name, f"{plain(rms)} {unit}", f"{plain(floor, 2)} {unit}", times))
     return Table(("Channel", "RMS error", "Noise floor", "Error over noise"), rows)
 
 

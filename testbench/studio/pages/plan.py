@@ -18,7 +18,7 @@ from testbench.studio.parts.address import Address
 from testbench.studio.parts.fields import asked, check, keep_in, number_field, typed
 from testbench.studio.parts.job_card import join_newest, open_campaign_of, start_in
 from testbench.studio.parts.picture import plot
-from testbench.studio.parts.widgets import aside, attempt, facts, guarded, heading, subheading
+from testbench.studio.parts.widgets import aside, attempt, download_button, facts, guarded, heading, subheading
 from testbench.studio.studio import Studio
 
 PRESETS = {
@@ -144,8 +144,7 @@ def program_downloads(folder: Path, name: str) -> None:
     """Buttons for what `gcode` wrote into a folder."""
     files = (("Download the Mach4 program", "program.tap"), ("Trajectory as CSV", "trajectory.csv"))
     for title, file in files:
-        button = ui.button(title, icon="download").props("outline")
-        button.on_click(partial(ui.download, folder / file, f"{name}{Path(file).suffix}"))
+        download_button(title, folder / file, f"{name}{Path(file).suffix}")
 
 
 def _figures(statistics: dict[str, Any]) -> list[tuple[str, str]]:

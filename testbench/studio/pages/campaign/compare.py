@@ -228,11 +228,11 @@ def _errors(view: View, shown: Overlay) -> list[tuple[str, str]]:
     channels = view.comparison["channels"]
     pairs = []
     for channel in shown.measured:
-        source = channels["conductance" if channel == RESISTANCE else channel]
+        fitted = "conductance" if channel == RESISTANCE else channel
         for label, rms in reversed(list(view.rms.items())):
             whose = f" ({label})" if len(view.rms) > 1 else ""
             pairs.append((f"RMS error of the {channel}{whose}", f"{plain(rms[channel])} {PANEL_UNITS[channel]}"))
-        pairs.append((f"the noise floor of the {channel}", f"{source['over_noise']:.1f} times"))
+        pairs.append((f"the noise floor of the {fitted}", f"{channels[fitted]['over_noise']:.1f} times"))
     return pairs
 
 

@@ -20,7 +20,7 @@ from testbench.studio.models import companions, join_running, run_in_turn
 from testbench.studio.parts.address import address
 from testbench.studio.parts.job_card import start_in
 from testbench.studio.parts.picture import plot
-from testbench.studio.parts.widgets import attempt, campaign_head, facts, guarded, later, subheading
+from testbench.studio.parts.widgets import attempt, campaign_head, download_button, facts, guarded, later, subheading
 from testbench.studio.studio import Studio
 from testbench.studio.workspace import RESULTS
 
@@ -128,7 +128,7 @@ def _downloads(studio: Studio, c: str, target: str) -> None:
     with ui.row():
         path = compensator_path(studio, c, target)
         ui.button("Export for the chip (C header)", icon="memory", on_click=lambda: attempt(export)).props("outline")
-        ui.button("Compensator as JSON", icon="download", on_click=lambda: ui.download(path)).props("outline")
+        download_button("Compensator as JSON", path)
     holder = ui.column().classes("w-full")
 
     def export() -> None:

@@ -24,6 +24,7 @@ from testbench.studio.parts.widgets import (
     RESISTANCE,
     aside,
     campaign_head,
+    download_button,
     facts,
     guarded,
     later,
@@ -72,9 +73,7 @@ def _below(c: str, recording: Recording, path: Path, kohm: bool) -> None:
     if shares:
         plot(shares, f"How often each value occurred{rate}.")
     with ui.row():
-        ui.button(
-            "Download CSV", icon="download", on_click=lambda: ui.download(path, f"{path.parent.name}.csv")
-        ).props("outline")
+        download_button("Download CSV", path, f"{path.parent.name}.csv")
         if path.with_name("program.tap").is_file():
             way_on("Compare with the plan", "compare_arrows", address("/align", c=c), "outline")
 

@@ -57,6 +57,16 @@ async def test_a_model_whose_own_effect_is_gone_leads_to_the_effects_and_to_anot
     await user.should_see("Fit the baseline anew")
 
 
+async def test_a_file_that_is_gone_is_not_downloaded_in_silence(user: User, studio: Studio) -> None:
+    await user.open("/recording?c=sleeve")
+    await user.should_see("Download CSV", retries=50)
+    user.find("Download CSV").click()
+    assert await user.download.next()
+    studio.workspace.delete("sleeve")
+    user.find("Download CSV").click()
+    await user.should_see("recording.csv: this file is gone, so it cannot be downloaded")
+
+
 async def test_every_step_of_a_ladder_has_an_address(user: User, fitted: Studio) -> None:
     for step in ("0", "7", ""):
         await user.open(f"/ladder?c=sleeve&step={step}")

@@ -234,6 +234,12 @@ async def test_a_travel_that_begins_at_nothing_has_no_sign() -> None:
     assert told["Duration"] == "30 s"
 
 
+async def test_how_far_above_the_noise_is_told_of_what_was_fitted(user: User, fitted: Studio) -> None:
+    for path in ("/ladder", "/compare"):
+        await user.open(f"{path}?c=sleeve&show=resistance")
+        await user.should_see(kind=ui.html, content="the noise floor of the conductance", retries=50)
+
+
 async def test_addresses_carry_any_name() -> None:
     assert address("/recording", c="a b/ü&c", on=None) == "/recording?c=a+b%2F%C3%BC%26c"
 
