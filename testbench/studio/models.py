@@ -134,7 +134,7 @@ def why_unusable(studio: Studio, c: str) -> str:
         catalogue, history = studio.catalogue(), about_model(model_path(studio, c)).get("history") or ()
         laws = {one["effect"] for step in history for one in step["model"]["effects"]}
         if gone := sorted(laws - set(catalogue.effects)):
-            return f"The model of {c} has {listed(gone)}, which no effect here is called."
+            return f"The model of {c} needs what is not among the effects here: {listed(gone)}."
         held_out_of(studio, c)
         load_model_file(model_path(studio, c), catalogue)
     except UserError as error:

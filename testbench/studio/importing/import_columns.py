@@ -49,11 +49,11 @@ class Columns:
 
     def hints(self) -> None:
         """How the file is written, each to be changed."""
-        with ui.row().classes("items-start"):
+        with ui.row().classes("items-start gap-2"):
             for name, label in (("header_row", "Header row"), ("units_row", "Units row")):
                 number = self.choices.hints.get(name)
                 row = number_field(label, number if isinstance(number, int) else None, whole=True, optional=True)
-                row.props("debounce=500 clearable").style("width:120px")
+                row.props("debounce=500 clearable").style("width:160px")
                 row.tooltip("counting from 1; 0: there is none; empty: found")
                 row.on_value_change(partial(self._row_hinted, row, name))
                 self._hint_fields.append(row)

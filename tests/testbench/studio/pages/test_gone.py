@@ -47,7 +47,7 @@ async def test_a_model_whose_own_effect_is_gone_leads_to_the_effects_and_to_anot
     told["history"][-1]["model"]["effects"].append(own)
     write_json(path, told)
     await user.open(f"{page}?c=sleeve")
-    await user.should_see("The model of sleeve has mine, which no effect here is called.", retries=50)
+    await user.should_see("The model of sleeve needs what is not among the effects here: mine.", retries=50)
     await user.should_not_see("--effects")
     await user.should_see("Fit the baseline anew")
     fitted.effects_path.write_text("1 / 0\n")
