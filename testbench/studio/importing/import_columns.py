@@ -53,7 +53,7 @@ class Columns:
             for name, label in (("header_row", "Header row"), ("units_row", "Units row")):
                 number = self.choices.hints.get(name)
                 row = number_field(label, number if isinstance(number, int) else None, whole=True, optional=True)
-                row.props("debounce=500 clearable").style("width:160px")
+                row.props("debounce=500 clearable")
                 row.tooltip("counting from 1; 0: there is none; empty: found")
                 row.on_value_change(partial(self._row_hinted, row, name))
                 self._hint_fields.append(row)
@@ -64,7 +64,7 @@ class Columns:
                 ("encoding", "Encoding", ENCODINGS),
             ):
                 choice = ui.select(options, value=known(options, self.choices.hints.get(name)), label=label)
-                choice.props("outlined dense").style("width:150px")
+                choice.props("outlined dense").style("width:140px")
                 choice.on_value_change(partial(self._hinted, name))
             if self.choices.path.suffix.lower() in (".xlsx", ".xlsm", ".tdms"):
                 sheet = ui.input("Sheet", value=str(self.choices.hints.get("sheet") or ""))

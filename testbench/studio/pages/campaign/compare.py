@@ -128,8 +128,8 @@ def _choose(studio: Studio, c: str, on: str, where: Address, held: str) -> None:
     if on not in others:
         there = studio.workspace.campaign(on)
         raise UserError(
-            f"a model is compared with recordings of its own gauge length; that of {c} has {_gauge_in_words(own)}, "
-            f"and {on} has {_gauge_in_words(there)}: choose another recording"
+            f"A model is compared with recordings of its own gauge length; that of {c} has {_gauge_in_words(own)}, "
+            f"and {on} has {_gauge_in_words(there)}. The tab Compare offers those that fit."
         )
     names = {name: f"{name} ({_role(name, c, held)})" if _role(name, c, held) else name for name in others}
     models = {"": "(none)", **beside_choices(studio, c)}

@@ -86,7 +86,7 @@ async def test_a_recording_without_a_gauge_length_is_refused_in_a_sentence(
     (tmp_path / "grip.csv").write_text("time_s,force_N,resistance_ohm\n0,0.1,900\n0.1,0.2,910\n0.2,0.3,930\n")
     assert run_testbench(["import", str(tmp_path / "grip.csv"), "-o", str(fitted.workspace.root / "grip")]) == 0
     await user.open("/compare?c=sleeve&on=grip")
-    await user.should_see("that of sleeve has 25 mm, and grip has none: choose another recording")
+    await user.should_see("that of sleeve has 25 mm, and grip has none. The tab Compare offers")
 
 
 async def test_own_effects_that_are_not_text_are_not_used_and_those_of_the_workspace_are_found_again(
