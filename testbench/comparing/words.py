@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from testbench.comparing.cell import HOLD_RATE, Cell
 from testbench.comparing.numbers import span
 
 DOING = {1: " while stretching", -1: " while releasing", 0: ""}
+NOISE_REACHED = 1.1  # an error of at most this many noise floors is noise: nothing is left to be pointed at
 MANY = math.log(1e6)  # log odds beyond this are "more than a million to one"
 
 
@@ -24,6 +25,14 @@ def place_in_words(channel: str, coordinate: str, cell: Cell, size: float) -> st
     amount = abs(math.expm1(-cell.mean)) if channel == "conductance" else abs(cell.mean) / size
     of = " of its range" if channel == "force" else ""
     return f"modelled {channel} is {100 * amount:.1f} %{of} {way} {where_in_words(coordinate, cell)}"
+
+
+def no_place_in_words(over_noise: Mapping[str, float]) -> str:
+    """What is said where no worst place is named; `over_noise` is the error of each channel over its noise floor."""
+    above = [channel for channel, times in over_noise.items() if times > NOISE_REACHED]
+    if not above:
+        return "no place stands out from the noise"
+    return f"the error of the {' and the '.join(above)} is spread out or in a few peaks: no single place can be named"
 
 
 def where_in_words(coordinate: str, cell: Cell) -> str:

@@ -211,6 +211,11 @@ class Investigation(StrictModel):
         return sum(run.seconds for run in self.runs if run.recorded)
 
     @property
+    def judged_s(self) -> float:
+        """Time of motion that the last belief rests on."""
+        return sum(run.seconds for run in self.runs if run.belief is not None)
+
+    @property
     def belief(self) -> BeliefState | None:
         """The last one."""
         return next((run.belief for run in reversed(self.runs) if run.belief is not None), None)

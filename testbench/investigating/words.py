@@ -41,14 +41,17 @@ def run_words(number: int, run: RunState) -> str:
 
 def ending_words(investigation: Investigation) -> str:
     """How it ended, in one sentence."""
-    belief, minutes = investigation.belief, investigation.spent_s / 60
+    belief, minutes = investigation.belief, investigation.judged_s / 60
     if belief is None:
         return "nothing was judged yet"
     name, chance = belief.top
     if investigation.ended == SURE:
         return f"{spoken(name)}: {percent(chance)} after {minutes:.1f} min of motion"
     state = investigation.ended or "not ended yet"
-    return f"{state}: after {minutes:.1f} min of motion {belief_words(belief.probabilities)}"
+    said = f"{state}: after {minutes:.1f} min of motion {belief_words(belief.probabilities)}"
+    number, last = len(investigation.runs), investigation.runs[-1]
+    waits = last.recorded and last.belief is None
+    return f"{said}; run {number} is not judged yet" if waits else said
 
 
 def investigation_words(investigation: Investigation) -> str:

@@ -7,14 +7,20 @@ import re
 
 LONGEST = 400  # characters; a longer line is not drawn
 SIZE_PT = 13.0
-# What our formulas use and matplotlib spells otherwise.
-RESPELT = ((r"\tfrac", r"\frac"), (r"\text{", r"\mathrm{"))
+WORDS = re.compile(r"\\text\{([^{}]*)\}")
 RELATION = re.compile(r"\\mathrel\{(.)\}=")
 
 
 def lines_of(latex: str) -> list[str]:
     r"""The formula and its definitions, one each: ``\quad`` stands between them."""
     return [part.strip().rstrip(",") for part in latex.split(r"\quad") if part.strip()]
+
+
+def respelt(line: str) -> str:
+    """The line as matplotlib spells it, which drops the spaces between words."""
+    line = line.replace(r"\tfrac", r"\frac")
+    line = WORDS.sub(lambda words: rf"\mathrm{{{words[1]}}}".replace(" ", r"\ "), line)
+    return RELATION.sub(r"\\;{\1}\\!{=}\\;", line)
 
 
 def formula_svg(line: str) -> str:
@@ -30,13 +36,10 @@ def formula_svg(line: str) -> str:
 
     if len(line) > LONGEST or "$" in line:
         return ""
-    for ours, theirs in RESPELT:
-        line = line.replace(ours, theirs)
-    line = RELATION.sub(r"\\;{\1}\\!{=}\\;", line)
     drawn = io.BytesIO()
     font = FontProperties(size=SIZE_PT, math_fontfamily="dejavuserif")
     try:
-        mathtext.math_to_image(f"${line}$", drawn, format="svg", prop=font)
+        mathtext.math_to_image(f"${respelt(line)}$", drawn, format="svg", prop=font)
     except (ValueError, RuntimeError):
         return ""
     _, start, rest = drawn.getvalue().decode("utf-8").partition("<svg")

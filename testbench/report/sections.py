@@ -26,9 +26,9 @@ from testbench.report.figures.comparison_figures import Overlay
 from testbench.report.figures.ladder_figures import Step
 from testbench.report.parameter_table import parameter_table
 from testbench.report.words import PANEL_UNITS
-from testbench.report.worst_places import beyond_noise
+from testbench.report.worst_places import beyond_noise, why_no_place
 
-# How far above the noise is told of ln G, which was fitted: the same share of the resistance.
+# The channel that was compared where another is shown.
 LOGARITHM = {"resistance": "conductance"}
 
 
@@ -41,8 +41,7 @@ def recording_section(recording: Recording, title: str, key: str, resistance: bo
     ]
     loops = recording_figures.hysteresis_loops(recording, resistance)
     if loops:
-        caption = "Loops of six half minutes, the first dark, the last light: a shift along the colours is drift."
-        items.append(Picture(f"{key}-loops", loops, caption))
+        items.append(Picture(f"{key}-loops", loops, recording_figures.loops_caption(recording)))
     shares = recording_figures.distributions(recording, resistance)
     if shares:
         caption = "How often each value occurred; the speed is taken at 20 Hz."
@@ -70,7 +69,7 @@ def comparison_section(both: Overlay, comparison: Mapping[str, Any], maps: Mappi
         ]
         items.append(Table(("", "Where it fails, the worst first", "Share of the squared error"), rows))
     else:
-        items.append("No place stands out from the noise.")
+        items.append(why_no_place(comparison["channels"]))
     caption = "Measured and modelled, and the residual under each; the grey band is twice the noise floor."
     items.append(Picture("comparison-time", comparison_figures.overlay(both), caption))
     items.append(Picture("comparison-loops", comparison_figures.modelled_loops(both), "The same as loops."))
@@ -92,7 +91,8 @@ def errors_table(both: Overlay, channels: Mapping[str, Mapping[str, Any]]) -> Ta
         if name in LOGARITHM:
             rms, floor = float(np.std(both.residual(name))), both.noise_floor[name]
         unit = PANEL_UNITS[name]
-        rows.append((name, f"{plain(rms)} {unit}", f"{plain(floor, 2)} {unit}", f"{told['over_noise']:.1f} times"))
+        times = f"{rms / max(floor, 1e-300):.1f} times"
+        rows.append((name, f"{plain(rms)} {unit}", f"{plain(floor, 2)} {unit}", times))
     return Table(("Channel", "RMS error", "Noise floor", "Error over noise"), rows)
 
 
@@ -162,7 +162,7 @@ def compensator_section(score: Mapping[str, Any]) -> Section:
         items.append(Picture("compensator-scores", figure, caption))
     caption = (
         f"{short_name(shown['source'])} ({shown['role']}): {symbol} as measured, G rescaled to it, and p made from G "
-        "alone; below, the first and the last minute."
+        f"alone; below, {compensator_figures.ends_in_words(shown)}."
     )
     items.append(Picture("compensator-time", compensator_figures.over_time(shown, target), caption))
     items.append(

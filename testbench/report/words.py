@@ -13,6 +13,11 @@ from testbench.measurements.responses import UNIT_OF
 PANEL_UNITS = {**UNIT_OF, "resistance": "kΩ"}  # of an axis or a table, by what it shows
 
 
+def duration_in_words(duration_s: float) -> str:
+    """``23.0 min``; below a minute in seconds."""
+    return f"{duration_s:.3g} s" if duration_s < 60 else f"{duration_s / 60:.1f} min"
+
+
 def verdict_in_words(diagnosis: Mapping[str, Any]) -> str:
     """The verdict of a diagnosis in one or two sentences."""
     verdict, ranking = diagnosis["verdict"], diagnosis["ranking"]

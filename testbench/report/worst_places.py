@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcode.support.arrays import FloatArray
+from testbench.comparing.words import NOISE_REACHED, no_place_in_words
 from testbench.report.downsample import liveliest
 
-NOISE_REACHED = 1.1  # an error of at most this many noise floors is noise: nothing is left to be pointed at
 LOOK_S, LOOK_SAMPLES = 30.0, 200  # how much is shown around a place: so long, and at least so many samples
 
 
@@ -82,6 +82,12 @@ def busiest(time_s: FloatArray, energy: FloatArray) -> tuple[float, float]:
     width = min(len(time_s), max(round(LOOK_S / step_s), LOOK_SAMPLES))
     shown = time_s[liveliest(energy, width)]
     return float(shown[0]), float(shown[-1])
+
+
+def why_no_place(channels: Mapping[str, Mapping[str, Any]]) -> str:
+    """Why no worst place is named, as a sentence; `channels` of ``testbench compare --json``."""
+    said = no_place_in_words({name: entry["over_noise"] for name, entry in channels.items()})
+    return f"{said[0].upper()}{said[1:]}."
 
 
 def noise_reached(channels: Mapping[str, Mapping[str, Any]]) -> Sequence[str]:

@@ -12,7 +12,7 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from gcode.support.files import copy_file, make_folder, write_json
-from testbench.comparing.words import spoken
+from testbench.comparing.words import listed, spoken
 from testbench.recordings.manifest import CSV
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import about_model, same_source
@@ -21,7 +21,7 @@ from testbench.studio.freshness import made_of
 from testbench.studio.jobs.job import Commands, Job, State
 from testbench.studio.parts.fields import check, number_field, typed
 from testbench.studio.parts.job_card import job_card
-from testbench.studio.parts.widgets import attempt, subheading
+from testbench.studio.parts.widgets import aside, attempt, subheading, trouble, way_on
 from testbench.studio.studio import Studio
 
 LAST_THIRD = "the last third of this recording"
@@ -124,6 +124,32 @@ def steps_in(studio: Studio, c: str) -> int:
 def laws_in(studio: Studio, c: str) -> set[str]:
     """The laws that the model of a campaign has, by their names in the catalogue."""
     return {one["effect"] for one in about_model(model_path(studio, c))["history"][-1]["model"]["effects"]}
+
+
+def why_unusable(studio: Studio, c: str) -> str:
+    """Why the model of a campaign cannot be used, such as an own effect that is gone; empty where it can be."""
+    from testbench.results.model_file import load_model_file
+
+    try:
+        catalogue, history = studio.catalogue(), about_model(model_path(studio, c)).get("history") or ()
+        laws = {one["effect"] for step in history for one in step["model"]["effects"]}
+        if gone := sorted(laws - set(catalogue.effects)):
+            return f"The model of {c} needs what is not among the effects here: {listed(gone)}."
+        held_out_of(studio, c)
+        load_model_file(model_path(studio, c), catalogue)
+    except UserError as error:
+        return str(error)
+    return ""
+
+
+async def refit_instead(studio: Studio, c: str) -> bool:
+    """Whether the model of a campaign cannot be used; why is said then, and a baseline anew is offered."""
+    why = await aside(why_unusable, studio, c)
+    if why:
+        trouble(why, "Bring back what is gone, or fit the baseline anew.")
+        way_on("Own effects", "functions", "/effects", "outline")
+        add_fit_form(studio, c, again=True)
+    return bool(why)
 
 
 def step_diagnosis(studio: Studio, c: str, step: int) -> Path:

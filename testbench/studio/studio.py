@@ -106,6 +106,11 @@ class Studio:
         pointer = self._pointer
         if pointer.is_file():
             return Path(read_text(pointer, "name of a file", 4096).strip())
+        return self.own_effects
+
+    @property
+    def own_effects(self) -> Path:
+        """The file of own effects of the workspace itself."""
         return self.workspace.root / OWN_EFFECTS
 
     @property
@@ -136,10 +141,10 @@ class Studio:
         UserError
             If it is no Python file, or not text.
         """
-        if path == self.workspace.root / OWN_EFFECTS and not path.exists():
+        if path == self.own_effects and not path.exists():
             self._pointer.unlink(missing_ok=True)
             return
-        if path.suffix != ".py" or not path.is_file():
+        if path.suffix != ".py" or not path.is_absolute() or not path.is_file():
             raise UserError(f"{path}: no such Python file; give the full path of a .py file on this machine")
         read_text(path, "file of effects", MOST_EFFECTS_BYTES)
         trust(path)

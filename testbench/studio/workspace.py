@@ -6,10 +6,11 @@ import contextlib
 import os
 import re
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Lock
+from typing import Any
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
@@ -58,6 +59,7 @@ class Campaign:
     status: str = ""
     specimen: str = ""
     made_s: float = 0.0  # when its manifest was written, in seconds since 1970
+    columns: frozenset[str] = frozenset()  # of its recording, as its manifest says
 
 
 class Workspace:
@@ -106,11 +108,12 @@ class Workspace:
         path = Path(folder)
         name = folder[len(str(self.root)) :].replace(os.sep, "/").strip("/")
         try:
-            made = read_json(os.path.join(folder, MANIFEST), "campaign manifest", MOST_BYTES)["knitbench"]
+            manifest = read_json(os.path.join(folder, MANIFEST), "campaign manifest", MOST_BYTES)
+            made = manifest["knitbench"]
             words = (str(made.get("status", "")), str(made["recipe"].get("sensor") or ""))
             gauge = made["gauge_length_mm"]
             gauge_mm = None if gauge is None else float(gauge)
-            return Campaign(name, path, str(made.get("origin", "")), gauge_mm, *words, made_s)
+            return Campaign(name, path, str(made.get("origin", "")), gauge_mm, *words, made_s, _columns(manifest))
         except (OSError, AttributeError, KeyError, TypeError, ValueError):
             return Campaign(name, path, "", None, made_s=made_s)
 
@@ -264,6 +267,12 @@ class Workspace:
             if folder != self.root and folder.is_relative_to(self.root):
                 return folder
         return None
+
+
+def _columns(manifest: Mapping[str, Any]) -> frozenset[str]:
+    """The columns of the recording that a manifest describes."""
+    described = [one.get("schema", {}) for one in manifest.get("resources", ()) if one.get("path") == CSV]
+    return frozenset(field["name"] for schema in described for field in schema.get("fields", ()))
 
 
 def _unfit(name: str) -> str:

@@ -15,6 +15,7 @@ from testbench.report import style
 from testbench.report.downsample import liveliest, window
 from testbench.report.figures.recording_figures import at_rows, line, stretches, unbroken
 
+LOOPS = 3
 CHANNEL_TITLES = {"force": "Force / N", "conductance": "ln (G / S)", "resistance": "Resistance / kΩ"}
 RESIDUAL_TITLES = {"force": "Residual / N", "conductance": "Residual / ln S", "resistance": "Residual / kΩ"}
 
@@ -170,7 +171,7 @@ def modelled_loops(both: Overlay) -> style.Figure:
     """Hysteresis loops of a few half minutes, modelled over measured: force and ln G over strain."""
     names = ["measured", *both.modelled]
     colours = [style.MEASURED, *(model_colour(i, len(both.modelled)) for i in range(len(both.modelled)))]
-    rows = _joined([unbroken(part, both.time_s, both.gaps) for part in stretches(both.time_s, 3)])
+    rows = _joined([unbroken(part, both.time_s, both.gaps) for part in stretches(both.time_s, LOOPS)])
     strain_percent = at_rows(100 * both.strain, rows)
     traces = []
     for column, channel in enumerate(both.measured):

@@ -18,7 +18,7 @@ TITLES = {"force": "Force / N", "displacement": "Displacement / mm"}
 
 
 def over_time(row: Mapping[str, Any], target: str) -> style.Figure:
-    """Truth, rescaled conductance and prediction: the whole recording, and below it the first and the last minute.
+    """Truth, rescaled conductance and prediction: the whole recording, and below it its two ends.
 
     Parameters
     ----------
@@ -35,6 +35,13 @@ def over_time(row: Mapping[str, Any], target: str) -> style.Figure:
             time_s, values = np.asarray(window["time_s"]), np.asarray(window[key])
             traces.append(line(time_s, values, colour, name, panel, **place))
     return style.figure(traces, height=460, **_axes(target))
+
+
+def ends_in_words(row: Mapping[str, Any]) -> str:
+    """The two ends that `over_time` shows: ``the first and the last minute``; shorter ones in seconds."""
+    time_s = row["zooms"][0]["time_s"]
+    length_s = time_s[-1] - time_s[0]
+    return f"the first and the last {'minute' if round(length_s) == 60 else f'{length_s:.2g} s'}"
 
 
 def _lines(target: str) -> list[tuple[str, str, str]]:

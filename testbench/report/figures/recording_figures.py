@@ -17,10 +17,12 @@ from testbench.recordings.channels import FORCE as FORCE_CHANNEL
 from testbench.recordings.recording import Recording
 from testbench.report import style
 from testbench.report.downsample import POINTS, rows_to_draw, window
+from testbench.report.words import duration_in_words
 
 Channel = tuple[str, FloatArray, str]  # axis title, values, colour
 
 LOOPS, LOOP_S, LOOP_SAMPLES, LOOP_POINTS = 6, 30.0, 30, 300
+COUNTED = {3: "three", 6: "six"}
 BINS = 60
 SPEED_RATE_HZ = 20.0
 
@@ -111,13 +113,14 @@ def hysteresis_loops(recording: Recording, resistance: bool = False) -> style.Fi
     if not panels:
         return None
     windows = stretches(recording.time_s)
-    colours = shades(len(windows))
+    colours, several = shades(len(windows)), len(windows) > 1
+    points = LOOPS * LOOP_POINTS // len(windows)
     traces = []
     for column, (_, _, x, y) in enumerate(panels):
-        shown: dict[str, Any] = {"showlegend": column == 0, "hovertemplate": "%{x:.4g}, %{y:.4g}"}
+        shown: dict[str, Any] = {"showlegend": several and column == 0, "hovertemplate": "%{x:.4g}, %{y:.4g}"}
         for rows, colour in zip(windows, colours, strict=True):
             name = f"{(recording.time_s[rows.start] - recording.time_s[0]) / 60:.1f} min"
-            every = max(1, (rows.stop - rows.start) // LOOP_POINTS)
+            every = max(1, (rows.stop - rows.start) // points)
             few = unbroken(slice(rows.start, rows.stop, every), recording.time_s, recording.gaps)
             traces.append(style.curve(at_rows(x, few), at_rows(y, few), colour, column, name=name, **shown))
     axes = style.side_by_side_axes([(x_title, y_title) for x_title, y_title, _, _ in panels])
@@ -129,12 +132,36 @@ def stretches(time_s: FloatArray, count: int = LOOPS) -> list[slice]:
 
     Where samples are rare, a stretch is as long as thirty of them take.
     """
-    duration_s = time_s[-1] - time_s[0]
-    length_s = max(LOOP_S, LOOP_SAMPLES * duration_s / len(time_s))
-    if duration_s <= count * length_s:
+    length_s = _stretch_s(time_s)
+    if time_s[-1] - time_s[0] <= count * length_s:
         return [slice(0, len(time_s))]
     begins = np.linspace(time_s[0], time_s[-1] - length_s, count)
     return [window(time_s, float(begin), float(begin) + length_s) for begin in begins]
+
+
+def _stretch_s(time_s: FloatArray) -> float:
+    return max(LOOP_S, LOOP_SAMPLES * float(time_s[-1] - time_s[0]) / len(time_s))
+
+
+def stretches_in_words(time_s: FloatArray, count: int = LOOPS) -> str:
+    """What `stretches` shows: ``six half minutes``, ``six stretches of 300 s``, or ``the whole recording``."""
+    if len(stretches(time_s, count)) == 1:
+        return "the whole recording"
+    length_s = _stretch_s(time_s)
+    long = "half minutes" if length_s == LOOP_S else f"stretches of {length_s:.0f} s"
+    return f"{COUNTED[count]} {long}"
+
+
+def loops_in_words(time_s: FloatArray) -> str:
+    """What the `hysteresis_loops` of a recording show, and how their colours tell when."""
+    order = ", the first dark, the last light" if len(stretches(time_s)) > 1 else ""
+    return stretches_in_words(time_s) + order
+
+
+def loops_caption(recording: Recording) -> str:
+    """What stands under the `hysteresis_loops` of a recording."""
+    drift = ": a shift along the colours is drift" if len(stretches(recording.time_s)) > 1 else ""
+    return f"Loops of {loops_in_words(recording.time_s)}{drift}."
 
 
 def unbroken(part: slice, time_s: FloatArray, gaps: Sequence[tuple[float, float]]) -> NDArray[np.intp]:
@@ -206,7 +233,7 @@ def speed_rate_hz(recording: Recording) -> float:
 def summary(recording: Recording, resistance: bool = False) -> list[tuple[str, str]]:
     """What a person asks first of a recording: pairs of name and value, in words."""
     facts = [
-        ("Duration", f"{recording.duration_s / 60:.1f} min"),
+        ("Duration", duration_in_words(recording.duration_s)),
         ("Samples", f"{len(recording):,}".replace(",", " ") + f" at {recording.mean_rate_hz:.1f} Hz"),
     ]
     if recording.has(DISPLACEMENT):

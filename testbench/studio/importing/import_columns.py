@@ -22,6 +22,7 @@ from testbench.studio.importing.import_look import (
     unit_options,
 )
 from testbench.studio.importing.import_words import R0, TITLES, in_a_sentence, page_words
+from testbench.studio.parts.fields import number_field
 
 if TYPE_CHECKING:
     from testbench.importing.choice import Choice
@@ -42,17 +43,20 @@ class Columns:
 
     def __init__(self, choices: Choices, look: Callable[[], Awaitable[None]], note: Callable[[], None]) -> None:
         self.choices, self.look, self.note = choices, look, note
+        self._hint_fields: list[ui.number] = []
+        self._role_fields: list[ui.number] = []  # built anew with each look at the file
         self.unfolded = False  # what was unfolded stays so when the file is looked at again
 
     def hints(self) -> None:
         """How the file is written, each to be changed."""
-        with ui.row().classes("items-center"):
+        with ui.row().classes("items-start gap-2"):
             for name, label in (("header_row", "Header row"), ("units_row", "Units row")):
                 number = self.choices.hints.get(name)
-                row = ui.number(label, value=number if isinstance(number, int) else None, min=0, format="%.0f")
-                row.props("outlined dense debounce=500 clearable")
-                row.style("width:120px").tooltip("counting from 1; 0: there is none; empty: found")
-                row.on_value_change(partial(self._hinted, name))
+                row = number_field(label, number if isinstance(number, int) else None, whole=True, optional=True)
+                row.props("debounce=500 clearable")
+                row.tooltip("counting from 1; 0: there is none; empty: found")
+                row.on_value_change(partial(self._row_hinted, row, name))
+                self._hint_fields.append(row)
             for name, label, options in (
                 ("separator", "Separator", SEPARATORS),
                 ("decimal", "Decimal sign", DECIMALS),
@@ -60,21 +64,28 @@ class Columns:
                 ("encoding", "Encoding", ENCODINGS),
             ):
                 choice = ui.select(options, value=known(options, self.choices.hints.get(name)), label=label)
-                choice.props("outlined dense").style("width:150px")
+                choice.props("outlined dense").style("width:140px")
                 choice.on_value_change(partial(self._hinted, name))
             if self.choices.path.suffix.lower() in (".xlsx", ".xlsm", ".tdms"):
                 sheet = ui.input("Sheet", value=str(self.choices.hints.get("sheet") or ""))
                 sheet.props("outlined dense debounce=600").style("width:150px")
                 sheet.on_value_change(partial(self._hinted, "sheet"))
 
+    async def _row_hinted(self, field: ui.number, name: str, event: events.ValueChangeEventArguments) -> None:
+        if field.validate():
+            await self._hint(name, None if event.value is None else int(event.value))
+
     async def _hinted(self, name: str, event: events.ValueChangeEventArguments) -> None:
-        value = int(event.value) if name.endswith("_row") and event.value is not None else event.value
+        await self._hint(name, event.value)
+
+    async def _hint(self, name: str, value: str | int | None) -> None:
         self.choices.hints[name] = None if value == "" else value
         self.choices.columns.clear()
         await self.look()
 
     def roles(self, sheet: Sheet, choice: Choice, words: dict[str, str]) -> None:
         """A row of fields for each quantity that is there or asked for; the others are folded away below."""
+        self._role_fields.clear()
         asked = {one.role for one in choice.troubles} | set(choice.taken)
         if not {"displacement", "strain"} & set(choice.taken):
             asked |= {"displacement"}
@@ -82,13 +93,9 @@ class Columns:
         for role in shown:
             self._role(role, sheet, choice, words)
         if "time" not in choice.taken:
-            rate = ui.number("Sampling rate / Hz", value=self.choices.rate_hz, min=0, format="%.6g")
-            rate.props("outlined dense debounce=500").on_value_change(partial(self._set, "rate_hz"))
+            self._number("Sampling rate / Hz", "rate_hz")
         if {"relative", "relative_change"} & set(choice.taken):
-            ohm = ui.number(R0, value=self.choices.r0_ohm, min=0, format="%.6g")
-            ohm.props("outlined dense debounce=500").style("width:230px").on_value_change(
-                partial(self._set, "r0_ohm")
-            )
+            self._number(R0, "r0_ohm").style("width:230px")
         others = ui.expansion("Other quantities, and several clocks").bind_value(self, "unfolded")
         with others.classes("w-full").props("dense"):
             for role in TITLES:
@@ -98,9 +105,22 @@ class Columns:
         for note in choice.notes:
             ui.label(page_words(note)).classes("quiet")
 
-    async def _set(self, name: str, event: events.ValueChangeEventArguments) -> None:
-        setattr(self.choices, name, event.value or None)
-        await self.look()
+    def _number(self, label: str, name: str) -> ui.number:
+        """A field for a number that the file is read with."""
+        field = number_field(label, getattr(self.choices, name), optional=True).props("debounce=500")
+        field.on_value_change(partial(self._set, field, name))
+        self._role_fields.append(field)
+        return field
+
+    async def _set(self, field: ui.number, name: str, event: events.ValueChangeEventArguments) -> None:
+        if field.validate():
+            setattr(self.choices, name, event.value)
+            await self.look()
+
+    @property
+    def numbers(self) -> list[ui.number]:
+        """The fields whose numbers are to be checked before the import."""
+        return [*self._hint_fields, *self._role_fields]
 
     def _role(self, role: str, sheet: Sheet, choice: Choice, words: dict[str, str]) -> None:
         """One quantity: its column, its unit, and a value as it is read."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 TITLES = {
     "time": "Time",
@@ -40,6 +41,16 @@ FIELDS = {
 SIGNS = {",": "comma", ".": "point"}
 _AT = r"(?: (?:displacement|force|strain|resistance)\b)"
 _ROLES = {"relative-resistance": "relative"} | {role.replace("_", "-"): role for role in TITLES}
+
+
+def left_out_in_words(left_out: Sequence[Sequence[str]], kinds: str) -> str:
+    """Why the uploader did not take files, each given as its reason and its name; `kinds` is what it takes."""
+    told = {
+        "accept": f"no file of a kind that can be read ({kinds.replace(',', ', ')})",
+        "max-file-size": "too large for a browser; say where it is under “File on this machine”",
+    }
+    otherwise = "left out, for one file is imported at a time"
+    return "; ".join(f"{name}: {told.get(reason, otherwise)}" for reason, name in left_out)
 
 
 def page_words(text: str) -> str:

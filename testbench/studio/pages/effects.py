@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from pathlib import Path
 
 from nicegui import ui
 
@@ -13,6 +12,7 @@ from gcode.support.files import write_text
 from gcode.support.strict import read_text
 from testbench.studio.jobs.job import Job, State
 from testbench.studio.memory import stamp
+from testbench.studio.parts.fields import typed_path
 from testbench.studio.parts.job_card import start_in
 from testbench.studio.parts.widgets import attempt, guarded, heading, name_in_page, trouble
 from testbench.studio.studio import MOST_EFFECTS_BYTES, Studio
@@ -49,12 +49,25 @@ class _Editor:
             self._read()
         except UserError as error:  # the editor stays empty, and another file can be chosen
             trouble(str(error))
+        if self._is_gone():
+            trouble(f"{self.path} was pointed to, and is gone.", self._remedy())
+
+    def _is_gone(self) -> bool:
+        """Whether another file than the workspace's own is in use, and is not there."""
+        return self.path != self.studio.own_effects and not self.path.is_file()
+
+    def _remedy(self) -> str:
+        return f"Bring it back, or use another file; that of this workspace is {self.studio.own_effects}."
+
+    def _check_place(self) -> None:
+        if not self.path.parent.is_dir():
+            raise UserError(f"{self.path.parent}: no such folder. {self._remedy()}")
 
     def _button(self, label: str, icon: str, action: Callable[[], None]) -> ui.button:
         return ui.button(label, icon=icon, on_click=lambda: attempt(action))
 
     def _point(self) -> None:
-        self.studio.point_to(Path(self.where.value or ""))
+        self.studio.point_to(typed_path(self.where.value, "File in use", "name a .py file on this machine"))
         self.path = self.studio.effects_path
         self.where.set_value(str(self.path))
         self._read()
@@ -67,6 +80,7 @@ class _Editor:
         name = self.name.value or ""
         if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
             raise UserError(f"an effect's name is lower case with underscores, such as my_effect; got {name!r}")
+        self._check_place()
         if self.path.exists():
             raise UserError(f"{self.path.name} is there already; write the new class below the others")
         self._run(["testbench", "effects", "--new", name, "-o", str(self.path)], "Writing the template")
@@ -74,6 +88,7 @@ class _Editor:
     def _save(self) -> None:
         if not self.text.value.strip():
             raise UserError("there is nothing to check; start from the template, or write a class")
+        self._check_place()
         if stamp(self.path) != self.mark:
             raise UserError(
                 f"{self.path.name} was changed on disk since it was read here; keep a copy of what you have written, "

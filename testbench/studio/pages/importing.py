@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import os
 import re
 import tempfile
 from functools import partial
@@ -17,10 +16,11 @@ from gcode.support.errors import UserError
 from testbench.studio.importing.import_columns import Columns
 from testbench.studio.importing.import_form import Choices
 from testbench.studio.importing.import_look import Seen, described, look_at, roles_by_number, still_to_say
-from testbench.studio.importing.import_words import TITLES, page_words
+from testbench.studio.importing.import_words import TITLES, left_out_in_words, page_words
 from testbench.studio.importing.raw_lines import raw_table
 from testbench.studio.jobs.job import Job, State
 from testbench.studio.parts.address import Address, address
+from testbench.studio.parts.fields import check, number_field, typed_path
 from testbench.studio.parts.job_card import job_card
 from testbench.studio.parts.widgets import (
     aside,
@@ -36,6 +36,7 @@ from testbench.studio.parts.widgets import (
 from testbench.studio.studio import Studio
 
 LARGEST_BYTES = 2_000_000_000
+REASONS = "(entries) => emit(entries.map(one => [one.failedPropValidation, one.file.name]))"
 KINDS = ".csv,.txt,.tsv,.dat,.asc,.raw,.xlsx,.xlsm,.tdms"
 
 
@@ -53,9 +54,12 @@ def page(studio: Studio, file: str = "", name: str = "", chosen: str = "") -> No
     with ui.column().classes("card gap-3"):
         with ui.row().classes("w-full items-center"):
             path = ui.input("File on this machine", value=file, placeholder="/data/lab/run-7.csv")
-            path.props("outlined dense").classes("grow")
-            ui.button("Read the file", on_click=lambda: attempt(lambda: form.read(_typed_path(path.value))))
-        upload = ui.upload(label="or drop it here", auto_upload=True, max_files=1, max_file_size=LARGEST_BYTES)
+            path.props("outlined dense").classes("grow").on("keydown.enter", lambda: attempt(read_typed))
+            ui.button("Read the file", on_click=lambda: attempt(read_typed))
+        # Of several files a browser hands on the first and drops the others silently, unless they are allowed.
+        upload = ui.upload(
+            label="or drop it here", auto_upload=True, multiple=True, max_files=1, max_file_size=LARGEST_BYTES
+        )
         upload.props(f"flat bordered accept={KINDS}").classes("w-full")
     name_in_page(".q-uploader .q-btn, .q-uploader__input", "Choose a file")
     where = Address("/import", file=file, name=name, chosen=chosen)
@@ -65,6 +69,9 @@ def page(studio: Studio, file: str = "", name: str = "", chosen: str = "") -> No
     ui.context.client.on_delete(form.forget_upload)
     ui.context.client.sub_pages_router.on_path_changed(lambda _: form.left())
 
+    async def read_typed() -> None:
+        await form.read(typed_path(path.value, "File on this machine", "name a file, or drop one"))
+
     async def received(event: events.UploadEventArguments) -> None:
         form.forget_upload()
         form.upload = tempfile.TemporaryDirectory(prefix="knitbench-upload-")
@@ -73,7 +80,11 @@ def page(studio: Studio, file: str = "", name: str = "", chosen: str = "") -> No
         upload.reset()
         await attempt(lambda: form.read(target))
 
+    def refuse(left_out: list[list[str]]) -> None:
+        raise UserError(left_out_in_words(left_out, KINDS))
+
     upload.on_upload(received)
+    upload.on("rejected", lambda event: attempt(partial(refuse, event.args)), js_handler=REASONS)
 
 
 class _Form:
@@ -126,16 +137,15 @@ class _Form:
 
     def _last(self, path: Path) -> None:
         """Gauge length, name, and the button; what comes of it appears right below."""
-        free = self.where.query["name"] or re.sub(r"[^A-Za-z0-9._-]+", "-", path.stem).strip("-.") or "imported"
-        with ui.row().classes("items-center"):
-            gauge = ui.number("Gauge length / mm", min=0.001, format="%.6g").props("outlined dense")
-            gauge.tooltip("length of the sensor between the clamps at rest").bind_value(
-                self.choices, "gauge_length_mm"
-            )
+        free = self.where.query["name"] or re.sub(r"[^\w.-]+", "-", path.stem).strip("-.") or "imported"
+        with ui.row().classes("items-start"):
+            self.gauge = number_field("Gauge length / mm", None, optional=True)
+            self.gauge.tooltip("length of the sensor between the clamps at rest")
+            self.gauge.bind_value(self.choices, "gauge_length_mm")
             self.name = ui.input("Campaign name", value=free).props("outlined dense")
             self.name.on_value_change(self._named)
             boxes = ("Put rows in the order of time", "sort"), ("Leave out rows that cannot be used", "drop_bad")
-            fields: list[ValueElement] = [gauge]
+            fields: list[ValueElement] = [self.gauge]
             fields += [ui.checkbox(title).bind_value(self.choices, key) for title, key in boxes]
             for field in fields:
                 field.on_value_change(self._note)
@@ -197,6 +207,7 @@ class _Form:
         """The command that imports; empty where something is missing, which is said until it is there."""
         self.result.clear()
         try:
+            check(self.gauge, *self.columns.numbers)
             argv = self._command(self.name.value)
         except UserError as error:
             with self.result:
@@ -251,16 +262,3 @@ class _Form:
 
     def _address(self, made: dict[str, Any]) -> str:
         return address("/recording", c=self.studio.workspace.name_of(Path(made["out"])))
-
-
-def _typed_path(text: str | None) -> Path:
-    """What stands in “File on this machine”, as a shell would take it.
-
-    Raises
-    ------
-    UserError
-        If nothing does.
-    """
-    if not text or not text.strip():
-        raise UserError("“File on this machine” is empty: name a file, or drop one")
-    return Path(os.path.expanduser(text.strip()))

@@ -13,7 +13,7 @@ from testbench.studio.parts.address import address
 from testbench.studio.parts.picture import plot
 from testbench.studio.parts.widgets import aside, guarded, heading, invitation, table
 from testbench.studio.studio import Studio
-from testbench.studio.workspace import MAX_DEPTH, RESULTS
+from testbench.studio.workspace import MANIFEST, MAX_DEPTH, RESULTS
 
 if TYPE_CHECKING:
     from testbench.investigating.state import Investigation
@@ -66,10 +66,13 @@ async def _shown(root: Path, name: str, names: list[str]) -> None:
         plot(figure_of(state, await aside(motions_of, folder, state)), caption)
     table(("Run", "Minutes", "Motion", "Expected / nats", "Believed"), _rows(state))
     with ui.row().classes("gap-4"):
-        for number, run in enumerate(state.runs, 1):
-            if run.recorded:
-                recording = run_folder(Path(name), number).as_posix()
-                ui.link(f"Recording of run {number}", address("/recording", c=recording)).classes("way")
+        for number in (n for n, run in enumerate(state.runs, 1) if run.recorded):
+            campaign = run_folder(Path(name), number)
+            if (root / campaign / MANIFEST).is_file():
+                where = address("/recording", c=campaign.as_posix())
+                ui.link(f"Recording of run {number}", where).classes("way")
+            else:
+                ui.label(f"The recording of run {number} is gone.").classes("quiet")
 
 
 def _rows(state: Investigation) -> list[tuple[str, ...]]:

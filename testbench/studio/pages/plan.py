@@ -12,12 +12,13 @@ from nicegui import ui
 from gcode.programs.stored_plan import read_plan
 from gcode.support.errors import UserError
 from testbench.report.figures.trajectory_figures import motion
+from testbench.report.words import duration_in_words
 from testbench.studio.jobs.job import Job, State
 from testbench.studio.parts.address import Address
 from testbench.studio.parts.fields import asked, check, keep_in, number_field, typed
 from testbench.studio.parts.job_card import join_newest, open_campaign_of, start_in
 from testbench.studio.parts.picture import plot
-from testbench.studio.parts.widgets import aside, attempt, facts, guarded, heading, subheading
+from testbench.studio.parts.widgets import aside, attempt, download_button, facts, guarded, heading, subheading
 from testbench.studio.studio import Studio
 
 PRESETS = {
@@ -143,14 +144,13 @@ def program_downloads(folder: Path, name: str) -> None:
     """Buttons for what `gcode` wrote into a folder."""
     files = (("Download the Mach4 program", "program.tap"), ("Trajectory as CSV", "trajectory.csv"))
     for title, file in files:
-        button = ui.button(title, icon="download").props("outline")
-        button.on_click(partial(ui.download, folder / file, f"{name}{Path(file).suffix}"))
+        download_button(title, folder / file, f"{name}{Path(file).suffix}")
 
 
 def _figures(statistics: dict[str, Any]) -> list[tuple[str, str]]:
     return [
-        ("Duration", f"{statistics['duration_s'] / 60:.1f} min"),
-        ("Travel", f"{statistics['x_min_mm']:.2f} to {statistics['x_max_mm']:.2f} mm"),
+        ("Duration", duration_in_words(statistics["duration_s"])),
+        ("Travel", f"{statistics['x_min_mm']:z.2f} to {statistics['x_max_mm']:z.2f} mm"),
         ("Mean speed", f"{statistics['v_mean_mm_per_s']:.3f} mm/s"),
         ("Largest speed", f"{statistics['v_max_mm_per_s']:.2f} mm/s"),
         ("Largest acceleration", f"{statistics['a_max_mm_per_s2']:.1f} mm/s²"),

@@ -57,7 +57,7 @@ async def page(studio: Studio, a: str = "", b: str = "", show: str = "") -> None
     for side in sides:
         loops = figures.hysteresis_loops(side.recording, kohm)
         if loops:
-            plot(loops, f"{side.name}: six half minutes, the first dark, the last light.")
+            plot(loops, f"{side.name}: {figures.loops_in_words(side.recording.time_s)}.")
 
 
 def _side(studio: Studio, name: str, kohm: bool) -> Side:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 
 from nicegui import ui
 from nicegui.elements.mixins.value_element import ValueElement
@@ -13,6 +15,8 @@ from nicegui.events import ValueChangeEventArguments
 from gcode.support.errors import UserError
 from testbench.studio.parts.address import Address
 
+Rules = dict[str, Callable[[float | None], bool]]  # what is said where a value does not keep a rule, and the rule
+
 # Where a browser's language has no decimal comma, it drops the comma of 25,5 without a word.
 COMMA_IS_A_POINT = """(e) => {
   if (e.key === ',') { e.preventDefault(); document.execCommand('insertText', false, '.'); }
@@ -20,7 +24,12 @@ COMMA_IS_A_POINT = """(e) => {
 
 
 def number_field(
-    label: str, value: float | None, positive: bool = True, whole: bool = False, optional: bool = False
+    label: str,
+    value: float | None,
+    positive: bool = True,
+    whole: bool = False,
+    optional: bool = False,
+    most: int | None = None,
 ) -> ui.number:
     """A field for a number.
 
@@ -35,16 +44,30 @@ def number_field(
         Only whole numbers from 0 on.
     optional : bool
         It may be left empty.
+    most : int, optional
+        Only whole numbers from 1 to this one.
     """
-    name = label.partition(" / ")[0].lower()
+    name = label.partition(" / ")[0]
+    name = name[0].lower() + name[1:]
     rules = _rules(name, positive and not whole, whole, optional)
-    field = ui.number(label, value=value, validation=rules).props("outlined dense bottom-slots")
-    field.on("keydown", js_handler=COMMA_IS_A_POINT)
-    return field.style("width:178px").without_auto_validation()
+    if most is not None:
+        rules[f"Give a whole number from 1 to {most}."] = lambda value: (
+            value is None or (1 <= value <= most and value == int(value))
+        )
+    field = comma_taking_number(label, value, rules)
+    return field.props("bottom-slots").style("width:178px").without_auto_validation()
 
 
-def _rules(name: str, positive: bool, whole: bool, optional: bool) -> dict[str, Callable[[float | None], bool]]:
-    rules: dict[str, Callable[[float | None], bool]] = {}
+def comma_taking_number(
+    label: str, value: float | None = None, rules: Rules | None = None, look: str | None = None
+) -> ui.number:
+    """A field for a number as every page has it: a decimal comma becomes a point; `look` is as in ``%.6g``."""
+    field = ui.number(label, value=value, validation=rules, format=look).props("outlined dense")
+    return field.on("keydown", js_handler=COMMA_IS_A_POINT)
+
+
+def _rules(name: str, positive: bool, whole: bool, optional: bool) -> Rules:
+    rules: Rules = {}
     if not optional:
         rules[f"Give the {name}."] = lambda value: value is not None
     if whole:
@@ -103,6 +126,19 @@ def check(*fields: ui.number) -> None:
 def typed(field: ui.number) -> str:
     """The number as it was typed."""
     return written(field.value)
+
+
+def typed_path(text: str | None, label: str, remedy: str) -> Path:
+    """What stands in the field `label` for a file on this machine, as a shell would take it.
+
+    Raises
+    ------
+    UserError
+        If nothing does; it says the `remedy`.
+    """
+    if not text or not text.strip():
+        raise UserError(f"“{label}” is empty: {remedy}")
+    return Path(os.path.expanduser(text.strip()))
 
 
 def written(value: float) -> str:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from gcode.support.errors import UserError
 from testbench.report import style
 from testbench.report.writing.packing import PLOTLY_VERSION, plotly_path, to_json
+from testbench.studio.parts.fields import comma_taking_number
 
 Drawn = Callable[[float | None, float | None], style.Figure]  # start and end in seconds (None: all) to a figure
 
@@ -205,7 +206,7 @@ class _Stretch:
         self._told: Span = (None, None)
 
     def _field(self, label: str) -> ui.number:
-        return ui.number(label, format="%.6g").props("outlined dense hide-bottom-space").style("width:104px")
+        return comma_taking_number(label, look="%.6g").props("hide-bottom-space").style("width:104px")
 
     def _left(self) -> None:
         """A field was left: the other may not have been filled yet."""

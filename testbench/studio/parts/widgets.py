@@ -10,6 +10,7 @@ import json
 import logging
 from collections.abc import Awaitable, Callable, Iterator, Sequence
 from html import escape
+from pathlib import Path
 from typing import Any, TypeVar
 
 from nicegui import ui
@@ -120,6 +121,24 @@ def invitation(title: str, text: str) -> Iterator[None]:
         ui.label(text).classes("quiet")
         with ui.row():
             yield
+
+
+def download(path: Path, name: str | None = None) -> None:
+    """Hand out a file, as `name` where that is another.
+
+    Raises
+    ------
+    UserError
+        If it is gone: the browser would say nothing.
+    """
+    if not path.is_file():
+        raise UserError(f"{path}: this file is gone, so it cannot be downloaded; bring it back, or make it again")
+    ui.download(path, name)
+
+
+def download_button(title: str, path: Path, name: str | None = None, look: str = "outline") -> None:
+    """A button that hands out a file; see `download`."""
+    ui.button(title, icon="download", on_click=lambda: attempt(lambda: download(path, name))).props(look)
 
 
 def way_on(title: str, icon: str, url: str, look: str = "unelevated") -> None:

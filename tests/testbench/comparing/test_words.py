@@ -7,7 +7,7 @@ import math
 import pytest
 
 from testbench.comparing.cell import Cell
-from testbench.comparing.words import place_in_words
+from testbench.comparing.words import no_place_in_words, place_in_words
 
 
 def cell(low: float, high: float, direction: int = 0, mean: float = -0.1) -> Cell:
@@ -43,3 +43,10 @@ def test_places_are_told_in_one_unit_a_quantity(coordinate: str, there: Cell, wo
 def test_a_modelled_conductance_is_off_by_a_share_of_the_measured(measured_over_modelled: float, words: str) -> None:
     told = place_in_words("conductance", "cycle", cell(0, 1, mean=math.log(measured_over_modelled)), size=1.0)
     assert told.startswith(f"modelled conductance is {words}")
+
+
+def test_an_error_without_a_place_is_not_called_noise() -> None:
+    assert no_place_in_words({"force": 1.05, "conductance": 1.1}) == "no place stands out from the noise"
+    assert no_place_in_words({"force": 1.0, "conductance": 12.2}) == (
+        "the error of the conductance is spread out or in a few peaks: no single place can be named"
+    )

@@ -61,6 +61,15 @@ def test_every_picture_has_its_place_and_its_data() -> None:
         assert f'id="{name}"' in page
 
 
+def test_an_error_without_a_place_is_not_called_noise() -> None:
+    both, compared = samples.overlay(), samples.comparison()
+    maps = {channel: entry["maps"] for channel, entry in compared["channels"].items()}
+    said = sections.comparison_section(both, compared | {"worst": []}, maps).items
+    assert "The error of the force and the conductance is spread out or in a few peaks: no single place can be " in (
+        next(item for item in said if isinstance(item, str))
+    )
+
+
 def test_text_cannot_become_markup() -> None:
     page = to_html(whole_report())
     assert "<title>A &lt;/script&gt; title</title>" in page

@@ -247,6 +247,30 @@ def test_loops_are_whole_stretches_from_the_first_minute_to_the_last() -> None:
     for part in parts:
         assert np.ptp(source.time_s[part]) == pytest.approx(30, abs=0.2)
     assert recording_figures.stretches(source.time_s[:100]) == [slice(0, 100)]
+    assert recording_figures.loops_caption(source) == (
+        "Loops of six half minutes, the first dark, the last light: a shift along the colours is drift."
+    )
+    assert recording_figures.stretches_in_words(20 * source.time_s, 3) == "three half minutes"
+    assert recording_figures.stretches_in_words(60 * source.time_s) == "six stretches of 90 s"
+
+
+def test_the_loops_of_a_short_recording_are_one_whole_drawn_at_full_detail() -> None:
+    source = samples.recording()
+    drawn = recording_figures.hysteresis_loops(source)
+    assert recording_figures.loops_caption(source) == "Loops of the whole recording."
+    assert [len(trace["x"]) for trace in drawn["data"]] == [len(source)] * 3
+    assert not any(trace["showlegend"] for trace in drawn["data"]), "there is no other stretch to be told from"
+
+
+def test_a_short_recording_lasts_seconds() -> None:
+    assert recording_figures.summary(samples.recording(300))[0] == ("Duration", "14.9 s")
+    assert recording_figures.summary(samples.recording())[0] == ("Duration", "2.5 min")
+
+
+def test_the_ends_of_a_compensated_recording_are_as_long_as_they_are_said_to_be() -> None:
+    row = {"zooms": [{"time_s": [0.0, 59.95]}]}
+    assert compensator_figures.ends_in_words(row) == "the first and the last minute"
+    assert compensator_figures.ends_in_words({"zooms": [{"time_s": [0.0, 16.63]}]}) == "the first and the last 17 s"
 
 
 def test_an_effect_that_is_there_lies_on_the_one_to_one_line() -> None:

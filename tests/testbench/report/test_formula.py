@@ -29,6 +29,15 @@ def test_every_coordinate_can_be_drawn():
         assert formula_svg(f"z = {one.latex}"), one.name
 
 
+def test_words_keep_the_spaces_between_them():
+    apart, together = (formula_svg(rf"y = \text{{{words}}}") for words in ("mean of all ", "meanofall"))
+    assert _width(apart) > 1.1 * _width(together)
+
+
+def _width(svg: str) -> float:
+    return float(re.search(r'width="([0-9.]+)pt"', svg)[1])
+
+
 @pytest.mark.parametrize("line", [r"\unknown{", "a$b", "x" * 500])
 def test_what_cannot_be_drawn_is_empty(line: str):
     assert formula_svg(line) == ""

@@ -178,7 +178,7 @@ async def test_two_campaigns_stand_side_by_side(user: User, studio: Studio, fitt
     studio.make_results("model:strip")
     shutil.copy(fitted_model, studio.workspace.results("strip") / "model.json")
     await user.open("/side?a=sleeve&b=strip")
-    await user.should_see("strip: six half minutes", retries=50)
+    await user.should_see("strip: the whole recording.", retries=50)
     await user.open("/side?a=sleeve")
     await user.should_see("choose two campaigns")
 

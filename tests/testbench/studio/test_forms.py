@@ -105,6 +105,32 @@ async def test_clocks_that_cannot_be_told_apart_lead_to_where_they_are_chosen(us
     await user.should_see("a clock of its own, see “Other quantities, and several clocks”", retries=100)
 
 
+async def test_a_number_that_an_import_cannot_take_is_refused_in_words(user: User, tmp_path: Path) -> None:
+    path = tmp_path / "plain.csv"
+    path.write_text("".join(f"{n % 9},{n % 7},{n % 5}\n" for n in range(60)))
+    told = json.dumps({"columns": {"displacement": "1", "force": "3"}, "units": {"displacement": "mm", "force": "N"}})
+    await user.open(address("/import", file=str(path), chosen=told))
+    await user.should_see("Sampling rate / Hz", retries=100)
+    user.find(kind=ui.number, content="Sampling rate / Hz").type("-20")
+    user.find(kind=ui.button, content="Import").click()
+    await user.should_see("The sampling rate must be more than 0.")
+    user.find("Header row").type("-1")
+    user.find(kind=ui.number, content="Gauge length / mm").type("-5").trigger("blur")
+    assert numbers(user)["Gauge length / mm"] == -5
+    user.find(kind=ui.button, content="Import").click()
+    await user.should_see("The gauge length must be more than 0.")
+    fields = {field.props["label"]: field for field in user.find(kind=ui.number).elements}
+    assert fields["Header row"].error == "The header row must be a whole number, 0 or more."
+
+
+async def test_more_laws_than_are_looked_for_are_refused_in_words(user: User, fitted: Studio) -> None:
+    await user.open("/propose?c=sleeve")
+    user.find("Laws at most").clear().type("99").trigger("blur")
+    user.find(kind=ui.button, content="Look for a law").click()
+    await user.should_see("Give a whole number from 1 to 4.")
+    assert not fitted.jobs.jobs
+
+
 def numbers(user: User) -> dict[str, float | None]:
     """What stands in every field for a number, by its label."""
     return {field.props["label"]: field.value for field in user.find(kind=ui.number).elements}
@@ -126,6 +152,21 @@ async def test_a_file_is_named_as_in_a_shell(user: User, tmp_path: Path, monkeyp
     user.find("File on this machine").clear().type(" ~/testxpert.txt ")
     user.find("Read the file").click()
     await user.should_see("Found: names in row 1", retries=50)
+
+
+async def test_enter_reads_the_file_and_its_letters_name_the_campaign(user: User, tmp_path: Path) -> None:
+    path = exports.testxpert(tmp_path).rename(tmp_path / "Probe Süß 7 (Nässe).txt")
+    await user.open("/import")
+    user.find("File on this machine").type(str(path)).trigger("keydown.enter")
+    await user.should_see("Found: names in row 1", retries=50)
+    (name,) = user.find(kind=ui.input, content="Campaign name").elements
+    assert name.value == "Probe-Süß-7-Nässe"
+
+
+async def test_what_the_uploader_rejects_is_said(user: User) -> None:
+    await user.open("/import")
+    user.find(kind=ui.upload).trigger("rejected", args=[["accept", "notes.pdf"]])
+    await user.should_see("notes.pdf: no file of a kind that can be read")
 
 
 async def test_what_a_person_says_of_a_specimen_may_begin_with_a_dash(

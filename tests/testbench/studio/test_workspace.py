@@ -23,6 +23,7 @@ def test_campaigns_are_found_and_described(studio: Studio) -> None:
     assert [campaign.name for campaign in found] == ["sleeve"]
     assert found[0].origin == "imported"
     assert found[0].gauge_length_mm == 25.0
+    assert found[0].columns == {"time_s", "displacement_mm", "force_N", "resistance_ohm"}
     assert studio.workspace.problems("sleeve") == []
 
 

@@ -18,11 +18,12 @@ from testbench.report.document import Table
 from testbench.report.figures import comparison_figures as figures
 from testbench.report.figures import residual_figures
 from testbench.report.figures.comparison_figures import Overlay
+from testbench.report.figures.recording_figures import stretches_in_words
 from testbench.report.words import PANEL_UNITS
-from testbench.report.worst_places import Spot, noise_reached
+from testbench.report.worst_places import Spot, noise_reached, why_no_place
 from testbench.studio.beside import Beside, beside_choices, beside_of, side_by_side
 from testbench.studio.memory import stamp
-from testbench.studio.models import LAST_THIRD, PLAY, add_fit_form, has_model, held_out_of, model_path
+from testbench.studio.models import LAST_THIRD, PLAY, add_fit_form, has_model, held_out_of, model_path, refit_instead
 from testbench.studio.parts.address import Address, address, span_of
 from testbench.studio.parts.picture import Span, ZoomingPlot, plot, zooming_plot
 from testbench.studio.parts.widgets import (
@@ -39,6 +40,7 @@ from testbench.studio.parts.widgets import (
     way_on,
 )
 from testbench.studio.studio import Studio
+from testbench.studio.workspace import Campaign
 
 if TYPE_CHECKING:
     from testbench.api.models.comparing import ComparisonResult
@@ -80,7 +82,12 @@ async def page(
     on = on or (c if held == LAST_THIRD else held)
     where = Address("/compare", c=c, on=on, show=show, start=start, end=end, beside=beside)
     _choose(studio, c, on, where, held)
-    view = await aside(view_of, studio, c, on, beside)
+    try:
+        view = await aside(view_of, studio, c, on, beside)
+    except UserError:
+        if await refit_instead(studio, c):
+            return
+        raise
     shown = view.both.in_resistance() if show == RESISTANCE else view.both
     facts(_errors(view, shown))
     for note in view.notes:
@@ -99,7 +106,8 @@ async def page(
 
 
 def _below(view: View, shown: Overlay) -> None:
-    plot(figures.modelled_loops(shown), "The same as hysteresis loops, three half minutes.")
+    loops = f"The same as hysteresis loops: {stretches_in_words(shown.time_s, figures.LOOPS)}."
+    plot(figures.modelled_loops(shown), loops)
     if view.parameters:
         subheading("The model's parameters", "As fitted; what speaks against a value stands beside it.")
         table(view.parameters.head, view.parameters.rows, view.parameters.caption)
@@ -119,7 +127,10 @@ def _choose(studio: Studio, c: str, on: str, where: Address, held: str) -> None:
     others = [other.name for other in studio.workspace.campaigns() if other.gauge_length_mm == own.gauge_length_mm]
     if on not in others:
         there = studio.workspace.campaign(on)
-        raise UserError(f"{on} has another gauge length than {c}: {there.gauge_length_mm:g} mm")
+        raise UserError(
+            f"A model is compared with recordings of its own gauge length; that of {c} has {_gauge_in_words(own)}, "
+            f"and {on} has {_gauge_in_words(there)}. The tab Compare offers those that fit."
+        )
     names = {name: f"{name} ({_role(name, c, held)})" if _role(name, c, held) else name for name in others}
     models = {"": "(none)", **beside_choices(studio, c)}
     beside = where.query["beside"] if where.query["beside"] in models else ""
@@ -133,6 +144,10 @@ def _choose(studio: Studio, c: str, on: str, where: Address, held: str) -> None:
         with ui.row().classes("items-center gap-2"):
             quantity_toggle(where)
             way_on("What is missing?", "search", address("/missing", c=c, show=where.query["show"]))
+
+
+def _gauge_in_words(campaign: Campaign) -> str:
+    return "none" if campaign.gauge_length_mm is None else f"{campaign.gauge_length_mm:g} mm"
 
 
 def _role(name: str, c: str, held: str) -> str:
@@ -213,11 +228,11 @@ def _errors(view: View, shown: Overlay) -> list[tuple[str, str]]:
     channels = view.comparison["channels"]
     pairs = []
     for channel in shown.measured:
-        source = channels["conductance" if channel == RESISTANCE else channel]
+        fitted = "conductance" if channel == RESISTANCE else channel
         for label, rms in reversed(list(view.rms.items())):
             whose = f" ({label})" if len(view.rms) > 1 else ""
             pairs.append((f"RMS error of the {channel}{whose}", f"{plain(rms[channel])} {PANEL_UNITS[channel]}"))
-        pairs.append((f"the noise floor of the {channel}", f"{source['over_noise']:.1f} times"))
+        pairs.append((f"the noise floor of the {fitted}", f"{channels[fitted]['over_noise']:.1f} times"))
     return pairs
 
 
@@ -229,8 +244,9 @@ def _worst(view: View, seen: ZoomingPlot) -> None:
                 ui.label(str(number)).classes("rank")
                 ui.label(spot.words).classes("grow words")
                 ui.label(f"{100 * spot.share_of_error:.0f} % of the squared error").classes("tag")
-        quiet = noise_reached(view.comparison["channels"])
+        channels = view.comparison["channels"]
+        quiet = noise_reached(channels)
         if quiet:
             ui.label(f"Nothing but noise is left in the {' and the '.join(quiet)}.").classes("quiet")
-        elif not view.spots:
-            ui.label("No place stands out from the noise.").classes("quiet")
+        if not view.spots and len(quiet) < len(channels):
+            ui.label(why_no_place(channels)).classes("quiet")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,9 @@ from typing import Any
 from nicegui import ui
 
 from gcode.support.errors import UserError
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
 from testbench.report.figures import compensator_figures as figures
+from testbench.report.provenance import moment
 from testbench.report.sections import short_name
 from testbench.results.result_files import read_score
 from testbench.studio.jobs.job import Job, State
@@ -18,11 +20,12 @@ from testbench.studio.models import companions, join_running, run_in_turn
 from testbench.studio.parts.address import address
 from testbench.studio.parts.job_card import start_in
 from testbench.studio.parts.picture import plot
-from testbench.studio.parts.widgets import attempt, campaign_head, facts, guarded, later, subheading
+from testbench.studio.parts.widgets import attempt, campaign_head, download_button, facts, guarded, later, subheading
 from testbench.studio.studio import Studio
 from testbench.studio.workspace import RESULTS
 
 TARGETS = {"force": "force", "displacement": "displacement"}
+NEEDED = {"force": {RESISTANCE, FORCE}, "displacement": {RESISTANCE, DISPLACEMENT}}
 AUTO, TUNED = "auto", "tuned"
 NETWORKS = {
     AUTO: "auto: several, weighted by cross-validation",
@@ -41,9 +44,15 @@ def page(studio: Studio, c: str = "", target: str = "force") -> None:
     if target not in TARGETS:
         raise UserError(f"the target must be one of {', '.join(TARGETS)}, got {target!r}")
     _form(studio, c, target)
-    score = score_path(studio, c, target)
+    kept, score = compensator_path(studio, c, target), score_path(studio, c, target)
     if score.is_file():
-        _show(studio, c, target, read_score(score))
+        told = read_score(score)
+        _facts(told)
+        _downloads(studio, c, target)
+        _show(told, target)
+    elif kept.is_file():
+        ui.label(f"The compensator of {moment(kept.stat().st_mtime)} has no score; every training ends with one.")
+        _downloads(studio, c, target)
 
 
 def _judged_on(summary: dict[str, Any]) -> str:
@@ -75,12 +84,15 @@ def _form(studio: Studio, c: str, target: str) -> None:
         with ui.row().classes("items-center"):
             aim = ui.select(TARGETS, value=target, label="Predict").props("outlined dense").style("width:150px")
             network = ui.select(NETWORKS, value=AUTO, label="Method").props("outlined dense").style("width:280px")
-            same, rest = companions(studio, c)
+            same, rest = (_scorable(studio, names, target) for names in companions(studio, c))
             others = [*same, *rest]
             judged = ui.select(others, value=same[:4], multiple=True, label="Judged on").props("outlined dense")
             judged.style("min-width:min(280px, 84vw)").props("use-chips")
         if not others:
-            alone = "No other campaign has this gauge length: the score will be that of the training itself."
+            alone = (
+                f"No other campaign of this gauge length has resistance and {target}: the score will be that of the "
+                "training itself."
+            )
             ui.label(alone).classes("quiet text-sm")
         aim.on_value_change(lambda event: ui.navigate.to(address("/compensate", c=c, target=event.value)))
         holder = ui.column().classes("w-full")
@@ -88,6 +100,8 @@ def _form(studio: Studio, c: str, target: str) -> None:
         key = f"train:{c}:{target}"
 
         def start() -> None:
+            if not studio.jobs.under_way(key):
+                score_path(studio, c, target).unlink(missing_ok=True)  # it is of the compensator before
             argv = ["compensation", "train", str(studio.workspace.campaign(c).folder), "--target", target]
             argv += ["--method" if network.value in (AUTO, TUNED) else "--hidden", network.value]
             argv += ["-o", str(compensator_path(studio, c, target))]
@@ -98,6 +112,11 @@ def _form(studio: Studio, c: str, target: str) -> None:
         join_running(studio, key, holder, ui.navigate.reload)
 
 
+def _scorable(studio: Studio, names: Sequence[str], target: str) -> list[str]:
+    """Those of the campaigns that a compensator of `target` can be judged on."""
+    return [name for name in names if NEEDED[target] <= studio.workspace.campaign(name).columns]
+
+
 def _scoring(studio: Studio, c: str, target: str, judged: list[str]) -> list[str]:
     """The command that scores the compensator on what it learnt from and on others."""
     folders = [str(studio.workspace.campaign(name).folder) for name in [c, *judged]]
@@ -105,14 +124,11 @@ def _scoring(studio: Studio, c: str, target: str, judged: list[str]) -> list[str
     return [*argv, "-o", str(score_path(studio, c, target))]
 
 
-def _show(studio: Studio, c: str, target: str, score: Mapping[str, Any]) -> None:
-    rows = score["recordings"]
-    names = [short_name(row["source"]) for row in rows]
-    _facts(score)
+def _downloads(studio: Studio, c: str, target: str) -> None:
     with ui.row():
         path = compensator_path(studio, c, target)
         ui.button("Export for the chip (C header)", icon="memory", on_click=lambda: attempt(export)).props("outline")
-        ui.button("Compensator as JSON", icon="download", on_click=lambda: ui.download(path)).props("outline")
+        download_button("Compensator as JSON", path)
     holder = ui.column().classes("w-full")
 
     def export() -> None:
@@ -125,6 +141,10 @@ def _show(studio: Studio, c: str, target: str, score: Mapping[str, Any]) -> None
 
         start_in(holder, studio, f"export:{c}:{target}", "Writing the C header", argv, ended)
 
+
+def _show(score: Mapping[str, Any], target: str) -> None:
+    rows = score["recordings"]
+    names = [short_name(row["source"]) for row in rows]
     plot(
         figures.before_and_after(rows, names, target),
         "r² before and after compensation (1 is perfect); whiskers: 95 % intervals over blocks of up to 60 s; "
@@ -155,7 +175,7 @@ def _recordings(rows: list[dict[str, Any]], names: list[str], target: str) -> No
     def show(row: dict[str, Any]) -> None:
         holder.clear()
         with holder:
-            plot(figures.over_time(row, target), "The whole recording; below, its first and its last minute.")
+            plot(figures.over_time(row, target), f"The whole recording; below, {figures.ends_in_words(row)}.")
             plot(figures.scatter(row, target), "Against the measurement: on the line, the sensor would be right.")
 
     tabs.on_value_change(lambda event: show(rows[int(event.value)]))

@@ -10,6 +10,7 @@ from urllib.parse import quote
 
 from nicegui import ui
 
+from gcode.support.errors import UserError
 from testbench.comparing.numbers import plain
 from testbench.comparing.words import spoken
 from testbench.report.figures import diagnosis_figures
@@ -30,6 +31,7 @@ from testbench.studio.parts.widgets import (
     aside,
     attempt,
     campaign_head,
+    download_button,
     facts,
     guarded,
     quantity_toggle,
@@ -52,7 +54,13 @@ async def page(studio: Studio, c: str = "", step: str = "", show: str = "") -> N
         return
     where = Address("/ladder", c=c, step=step, show=show)
     looked_at = asked(where, "step", None)
-    await (await aside(_Ladder, studio, c, where)).build(-1 if looked_at is None else int(looked_at))
+    try:
+        ladder = await aside(_Ladder, studio, c, where)
+    except UserError:
+        if await models.refit_instead(studio, c):
+            return
+        raise
+    await ladder.build(-1 if looked_at is None else int(looked_at))
 
 
 class _Ladder:
@@ -70,9 +78,9 @@ class _Ladder:
         other = models.held_out_recording(studio, c)
         self.judged = held_samples(self.file, studio.workspace.recording(c), other)
         self.steps, self.zero = steps_of(self.file.history), zero_in_words(self.file)
-        # How far above the noise is told of the channel that was fitted: that of ln G is the same share of R.
+        # How far above the noise is told of what was fitted, which is ln G where the resistance is shown.
         self.over_noise = [
-            [error / max(step.noise_floor[channel], 1e-300) for channel, error in step.errors.items()]
+            {channel: error / max(step.noise_floor[channel], 1e-300) for channel, error in step.errors.items()}
             for step in self.steps
         ]
         if self.kohm:
@@ -137,7 +145,7 @@ class _Ladder:
         ]
         pairs += [
             (f"the noise floor of the {channel}", f"{times:.1f} times")
-            for channel, times in zip(chosen.errors, self.over_noise[step], strict=True)
+            for channel, times in self.over_noise[step].items()
         ]
         if step:
             pairs.append(("against the first model", fall_in_words(self.steps[0], chosen)))
@@ -182,7 +190,7 @@ class _Ladder:
             report = ui.button("Report", icon="description", on_click=lambda: attempt(lambda: self._report(holder)))
             report.props("outline")
             path = models.model_path(self.studio, self.c)
-            ui.button("Model as JSON", icon="download", on_click=lambda: ui.download(path)).props("outline")
+            download_button("Model as JSON", path)
 
     def _written(self) -> None:
         """The report that was written last, where there is one."""
@@ -194,7 +202,7 @@ class _Ladder:
             ui.link("Open the report", report_url(self.studio, path), new_tab=True).classes("way")
             ui.label(f"of {moment(path.stat().st_mtime)}").classes("quiet text-sm")
             name = f"{self.c.replace('/', '-')}-report.html"
-            ui.button("Download", icon="download", on_click=lambda: ui.download(path, name)).props("flat dense")
+            download_button("Download", path, name, "flat dense")
 
     def _undo(self, holder: ui.column) -> None:
         command = models.undo_command(self.studio, self.c)

@@ -62,8 +62,7 @@ def _ask(studio: Studio, c: str) -> None:
         with ui.row().classes("items-start"):
             name = ui.input("Name of the law", value=proposed_law.free_law_name(studio, c))
             name.props("outlined dense bottom-slots").style("min-width:220px")
-            most = number_field("Laws at most", 1, whole=True)
-            most.props(f"min=1 max={MOST_ASKED}")
+            most = number_field("Laws at most", 1, most=MOST_ASKED)
         button = ui.button("Look for a law", icon="auto_awesome").props("unelevated")
         holder = ui.column().classes("w-full")
 
@@ -71,9 +70,9 @@ def _ask(studio: Studio, c: str) -> None:
         if studio.jobs.under_way(key):
             return
         check(most)
-        wanted = min(max(int(most.value), 1), MOST_ASKED)
         with holder, working("Reading the library of laws"):
-            command = await aside(proposed_law.propose_command, studio, c, (name.value or "").strip(), wanted)
+            wanted = (name.value or "").strip(), int(most.value)
+            command = await aside(proposed_law.propose_command, studio, c, *wanted)
         models.run_in_turn(studio, key, [command], holder, ui.navigate.reload)
 
     button.on_click(lambda: attempt(start))

@@ -24,6 +24,7 @@ from testbench.studio.parts.widgets import (
     RESISTANCE,
     aside,
     campaign_head,
+    download_button,
     facts,
     guarded,
     later,
@@ -66,17 +67,13 @@ async def page(studio: Studio, c: str = "", show: str = "", start: str = "", end
 def _below(c: str, recording: Recording, path: Path, kohm: bool) -> None:
     loops = figures.hysteresis_loops(recording, kohm)
     if loops:
-        several = "Half minutes, the first dark, the last light: a shift along the colours is drift."
-        is_one = len(figures.stretches(recording.time_s)) == 1
-        plot(loops, "The whole recording as loops." if is_one else several)
+        plot(loops, figures.loops_caption(recording))
     rate = f"; the speed is taken at {figures.speed_rate_hz(recording):.3g} Hz" if recording.has(DISPLACEMENT) else ""
     shares = figures.distributions(recording, kohm)
     if shares:
         plot(shares, f"How often each value occurred{rate}.")
     with ui.row():
-        ui.button(
-            "Download CSV", icon="download", on_click=lambda: ui.download(path, f"{path.parent.name}.csv")
-        ).props("outline")
+        download_button("Download CSV", path, f"{path.parent.name}.csv")
         if path.with_name("program.tap").is_file():
             way_on("Compare with the plan", "compare_arrows", address("/align", c=c), "outline")
 

@@ -94,6 +94,24 @@ def test_an_upload_leaves_nothing_behind(shared, page, tmp_path) -> None:
     assert left() == before
 
 
+def test_what_is_left_out_of_several_files_is_said(shared, page, tmp_path) -> None:
+    first, second, third = exports.testxpert(tmp_path), tmp_path / "second.csv", tmp_path / "notes.pdf"
+    second.write_text("a,b\n1,2\n")
+    third.write_bytes(b"%PDF-1.4\n")
+    page.goto(f"{shared.address}/import")
+    page.locator("input[type=file]").set_input_files([first, second, third])
+    page.get_by_text("notes.pdf: no file of a kind that can be read").wait_for()
+    page.get_by_text("second.csv: left out, for one file is imported at a time").wait_for()
+    page.get_by_text("Found: names in row 1").wait_for()
+
+
+def test_a_decimal_comma_is_a_point_in_every_field(shared, page, tmp_path) -> None:
+    opened(shared, page, exports.testxpert(tmp_path))
+    field = page.get_by_label("Gauge length / mm")
+    field.press_sequentially("25,5")
+    assert field.input_value() == "25.5"
+
+
 def test_a_row_that_cannot_be_used_is_said_with_the_pages_own_control(shared, page, tmp_path) -> None:
     path = exports.testxpert(tmp_path)
     text = path.read_text("latin-1").splitlines()

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from testbench.studio.importing.import_form import Choices
-from testbench.studio.importing.import_words import page_words
+from testbench.studio.importing.import_words import left_out_in_words, page_words
 
 command = importlib.import_module("testbench.commands.import")
 
@@ -79,3 +79,13 @@ def test_a_clock_of_a_relative_resistance_has_the_name_of_its_column():
     command.add_arguments(parser)
     words = ["lab.csv", "-o", "lab", "--relative-resistance", "3", "--time-of", "relative-resistance=4"]
     assert command.wish_of(parser.parse_args(words)).time_of == {"relative": "4"}
+
+
+def test_a_file_that_the_uploader_leaves_out_is_told_why() -> None:
+    said = left_out_in_words(
+        [["accept", "notes.pdf"], ["max-files", "b.csv"], ["max-file-size", "c.csv"]], ".csv,.txt"
+    )
+    assert said == (
+        "notes.pdf: no file of a kind that can be read (.csv, .txt); b.csv: left out, for one file is imported at a "
+        "time; c.csv: too large for a browser; say where it is under “File on this machine”"
+    )

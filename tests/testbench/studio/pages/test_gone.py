@@ -11,6 +11,7 @@ from nicegui.testing import User
 
 from gcode.support.errors import UserError
 from gcode.support.files import write_json
+from testbench.cli import main as run_testbench
 from testbench.studio import models
 from testbench.studio.pages import campaign_card
 from testbench.studio.parts.fields import written
@@ -35,6 +36,37 @@ async def test_a_model_is_not_judged_on_what_it_was_fitted_on_where_the_held_out
         models.add_command(fitted, "sleeve", "stress_relaxation")
 
 
+@pytest.mark.parametrize("page", ["/compare", "/ladder"])
+async def test_a_model_whose_own_effect_is_gone_leads_to_the_effects_and_to_another_baseline(
+    user: User, fitted: Studio, page: str
+) -> None:
+    path = models.model_path(fitted, "sleeve")
+    told = json.loads(path.read_text())
+    own = {"name": "mine", "effect": "mine", "parameters": {"gain": 1.0}}
+    told["effects"].append(own)
+    told["history"][-1]["model"]["effects"].append(own)
+    write_json(path, told)
+    await user.open(f"{page}?c=sleeve")
+    await user.should_see("The model of sleeve needs what is not among the effects here: mine.", retries=50)
+    await user.should_not_see("--effects")
+    await user.should_see("Fit the baseline anew")
+    fitted.effects_path.write_text("1 / 0\n")
+    fitted.agree_to_effects()
+    await user.open(f"{page}?c=sleeve")
+    await user.should_see("effects.py: cannot be loaded: ZeroDivisionError", retries=50)
+    await user.should_see("Fit the baseline anew")
+
+
+async def test_a_file_that_is_gone_is_not_downloaded_in_silence(user: User, studio: Studio) -> None:
+    await user.open("/recording?c=sleeve")
+    await user.should_see("Download CSV", retries=50)
+    user.find("Download CSV").click()
+    assert await user.download.next()
+    studio.workspace.delete("sleeve")
+    user.find("Download CSV").click()
+    await user.should_see("recording.csv: this file is gone, so it cannot be downloaded")
+
+
 async def test_every_step_of_a_ladder_has_an_address(user: User, fitted: Studio) -> None:
     for step in ("0", "7", ""):
         await user.open(f"/ladder?c=sleeve&step={step}")
@@ -46,6 +78,15 @@ async def test_every_step_of_a_ladder_has_an_address(user: User, fitted: Studio)
 async def test_a_link_to_a_recording_that_is_gone_is_a_sentence(user: User, fitted: Studio) -> None:
     await user.open("/compare?c=sleeve&on=gone")
     await user.should_see("no campaign 'gone'")
+
+
+async def test_a_recording_without_a_gauge_length_is_refused_in_a_sentence(
+    user: User, fitted: Studio, tmp_path: Path
+) -> None:
+    (tmp_path / "grip.csv").write_text("time_s,force_N,resistance_ohm\n0,0.1,900\n0.1,0.2,910\n0.2,0.3,930\n")
+    assert run_testbench(["import", str(tmp_path / "grip.csv"), "-o", str(fitted.workspace.root / "grip")]) == 0
+    await user.open("/compare?c=sleeve&on=grip")
+    await user.should_see("that of sleeve has 25 mm, and grip has none. The tab Compare offers")
 
 
 async def test_own_effects_that_are_not_text_are_not_used_and_those_of_the_workspace_are_found_again(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+
 import pytest
 from nicegui.testing import User
 
@@ -14,6 +16,7 @@ from testbench.investigating.state import (
     RunState,
     Settings,
     program_folder,
+    run_folder,
     save_investigation,
 )
 from testbench.studio.parts.picture import Picture
@@ -31,6 +34,7 @@ def investigated(studio: Studio) -> Studio:
     for number, chance in enumerate((0.6, 0.97), 1):
         made = make(menu(settings.limits)[NOISE], number, settings.gauge_length_mm)
         made.write(program_folder(folder, number))
+        shutil.copytree(studio.workspace.root / "sleeve", run_folder(folder, number))
         chances = {"permanent_set": chance, "clamp_slip": 1 - chance}
         noise = {"force": 0.01}
         belief = BeliefState(probabilities=chances, own=chances, verdict="missing", noise=noise, pieces=30, likely=[])
@@ -45,6 +49,11 @@ async def test_the_belief_after_each_run_is_drawn_and_told(user: User, investiga
     await user.should_see("Recording of run 2")
     (drawn,) = user.find(Picture).elements
     assert drawn is not None
+    investigated.delete("knit-7/run-1")
+    await user.open("/investigation?i=knit-7")
+    await user.should_see("The recording of run 1 is gone.")
+    await user.should_not_see("Recording of run 1")
+    await user.should_see("Recording of run 2")
 
 
 async def test_an_empty_workspace_says_how_to_begin(user: User) -> None:

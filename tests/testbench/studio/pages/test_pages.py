@@ -15,6 +15,7 @@ import tests.testbench.report.samples as samples
 from gcode.cli import main as gcode
 from gcode.support.errors import UserError
 from testbench.cli import main as run_testbench
+from testbench.studio.pages import plan
 from testbench.studio.parts import widgets
 from testbench.studio.parts.address import address
 from testbench.studio.parts.picture import Picture, zoomed_span
@@ -93,6 +94,42 @@ async def test_a_score_is_shown_with_its_figures(user: User, studio: Studio) -> 
     await user.should_see("pes-A (held-out)")
 
 
+async def test_a_new_training_takes_the_old_score_away(
+    user: User, studio: Studio, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    studio.make_results("train:sleeve:force")
+    score = studio.workspace.results("sleeve") / "force.score.json"
+    score.write_text(json.dumps(samples.score()))
+    monkeypatch.setattr("testbench.studio.pages.campaign.compensate.run_in_turn", lambda *_: None)
+    await user.open("/compensate?c=sleeve")
+    user.find(kind=ui.button, content="Train").click()
+    await asyncio.sleep(0.1)
+    assert not score.exists()
+    (score.parent / "force.compensator.json").write_text("{}")
+    await user.open("/compensate?c=sleeve")
+    await user.should_see("has no score; every training ends with one")
+    await user.should_see("Compensator as JSON")
+
+
+async def test_a_compensator_is_judged_on_campaigns_that_have_what_it_needs(
+    user: User, studio: Studio, tmp_path: Path
+) -> None:
+    shutil.copytree(studio.workspace.root / "sleeve", studio.workspace.root / "cuff")
+    (tmp_path / "pull.csv").write_text("time_s,displacement_mm,force_N\n0,0,0.1\n0.01,1,0.2\n")
+    argv = [
+        "import",
+        str(tmp_path / "pull.csv"),
+        "--gauge-length-mm",
+        "25",
+        "-o",
+        str(studio.workspace.root / "pull"),
+    ]
+    assert run_testbench(argv) == 0
+    await user.open("/compensate?c=sleeve")
+    (judged,) = user.find(kind=ui.select, content="Judged on").elements
+    assert judged.options == ["cuff"]
+
+
 async def test_a_new_effect_starts_from_the_template_and_is_checked(user: User, studio: Studio) -> None:
     await user.open("/effects")
     user.find("Name of a new effect").type("My Effect")
@@ -118,6 +155,33 @@ async def test_own_effects_may_lie_in_a_file_elsewhere(user: User, studio: Studi
     await asyncio.sleep(0)
     assert studio.effects_arguments() == ["--effects", str(tmp_path / "mine.py")]
     assert Studio(studio.workspace.root).effects_file == tmp_path / "mine.py"
+
+
+async def test_a_file_of_own_effects_is_named_as_in_a_shell_and_said_to_be_gone(
+    user: User, studio: Studio, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    (tmp_path / "lab").mkdir()
+    (tmp_path / "lab" / "mine.py").write_text("one = 1\n")
+    await user.open("/effects")
+    user.find("File in use").clear()
+    user.find("Use this file").click()
+    await user.should_see("“File in use” is empty: name a .py file on this machine")
+    monkeypatch.chdir(tmp_path)
+    user.find("File in use").type("lab/mine.py")
+    user.find("Use this file").click()
+    await user.should_see("lab/mine.py: no such Python file; give the full path")
+    user.find("File in use").clear().type(" ~/lab/mine.py ")
+    user.find("Use this file").click()
+    await asyncio.sleep(0.1)
+    assert studio.effects_file == tmp_path / "lab" / "mine.py"
+    shutil.rmtree(tmp_path / "lab")
+    await user.open("/effects")
+    await user.should_see("mine.py was pointed to, and is gone.")
+    await user.should_see(f"that of this workspace is {studio.own_effects}")
+    user.find(kind=ui.codemirror).type("two = 2\n")
+    user.find("Save and check").click()
+    await user.should_see("lab: no such folder. Bring it back, or use another file")
 
 
 async def test_somebody_elses_effects_are_not_run_unasked(user: User, studio: Studio, tmp_path: Path) -> None:
@@ -163,6 +227,19 @@ async def test_a_broken_effect_is_said_not_thrown(user: User, studio: Studio) ->
     await user.should_see("ZeroDivisionError", retries=150)
 
 
+async def test_a_travel_that_begins_at_nothing_has_no_sign() -> None:
+    speeds = {"v_mean_mm_per_s": 1.0, "v_max_mm_per_s": 2.0, "a_max_mm_per_s2": 3.0}
+    told = dict(plan._figures({"duration_s": 30.0, "x_min_mm": -1e-9, "x_max_mm": 6.36, **speeds}))
+    assert told["Travel"] == "0.00 to 6.36 mm"
+    assert told["Duration"] == "30 s"
+
+
+async def test_how_far_above_the_noise_is_told_of_what_was_fitted(user: User, fitted: Studio) -> None:
+    for path in ("/ladder", "/compare"):
+        await user.open(f"{path}?c=sleeve&show=resistance")
+        await user.should_see(kind=ui.html, content="the noise floor of the conductance", retries=50)
+
+
 async def test_addresses_carry_any_name() -> None:
     assert address("/recording", c="a b/ü&c", on=None) == "/recording?c=a+b%2F%C3%BC%26c"
 
@@ -189,7 +266,7 @@ async def test_a_compensator_is_compared_where_no_model_was_fitted(user: User, s
     studio.make_results("train:sleeve:force")
     (studio.workspace.results("sleeve") / "force.score.json").write_text(json.dumps(samples.score()))
     await user.open("/side?a=sleeve&b=sleeve")
-    await user.should_see("six half minutes", retries=50)
+    await user.should_see("sleeve: the whole recording.", retries=50)
     assert any("r² of the force, compensated" in html.content for html in user.find(kind=ui.html).elements)
 
 
