@@ -141,7 +141,7 @@ def dataset(
         if files is None and (dropped := drop_stale_parquet(out, tasks)):
             say_once(
                 f"{out}: removed {dropped} Parquet files of campaigns that are others now; the format parquet writes "
-                "all of them anew"
+                "those of the present ones"
             )
     return DatasetResult(out, made, there, files)
 
