@@ -315,6 +315,11 @@ def test_long_names_do_not_widen_a_phone(full: Served, browser) -> None:
             tab.get_by_role("combobox", name=label).wait_for()
             tab.get_by_text(LONG).first.wait_for()
             assert tab.evaluate("document.documentElement.scrollWidth") <= 390, path
+        unbroken = 176 * "k"
+        (full.root / LONG).rename(full.root / unbroken)
+        tab.goto(f"{full.address}/side?a=knit&b={unbroken}")
+        tab.get_by_text(f"{unbroken}: six half minutes").wait_for()
+        assert tab.evaluate("document.documentElement.scrollWidth") <= 390
 
 
 def test_no_legend_lies_under_the_tools_of_its_plot_on_a_phone(standing: Served, browser) -> None:
