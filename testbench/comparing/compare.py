@@ -12,7 +12,7 @@ import numpy as np
 from testbench.comparing.cell import Cell
 from testbench.comparing.model_errors import channel_name, noise_floors, rms_errors
 from testbench.comparing.residual_coordinates import COORDINATES, coordinates
-from testbench.comparing.words import place_in_words
+from testbench.comparing.words import no_place_in_words, place_in_words
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
@@ -65,6 +65,16 @@ class Comparison:
     maps: Mapping[str, Mapping[str, tuple[Cell, ...]]]
     worst: tuple[Place, ...]
 
+    @property
+    def over_noise(self) -> dict[str, float]:
+        """The error of each channel over its noise floor."""
+        return {channel: rms / max(self.noise_floor[channel], 1e-300) for channel, rms in self.rms.items()}
+
+    @property
+    def places(self) -> tuple[str, ...]:
+        """The worst places, a sentence each; where there is none, why."""
+        return tuple(place.words for place in self.worst) or (no_place_in_words(self.over_noise),)
+
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready form; the shape is documented in docs/finding-effects.md."""
         channels = {
@@ -72,7 +82,7 @@ class Comparison:
                 "unit": UNIT_OF[channel],
                 "rms": self.rms[channel],
                 "noise_floor": self.noise_floor[channel],
-                "over_noise": self.rms[channel] / max(self.noise_floor[channel], 1e-300),
+                "over_noise": self.over_noise[channel],
                 "maps": {
                     coordinate: [vars(cell) | {"t": cell.t} for cell in cells]
                     for coordinate, cells in self.maps[channel].items()

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 from testbench.comparing.clamping import Zero
 from testbench.comparing.compare import Comparison
 from testbench.comparing.model_errors import channel_name
-from testbench.comparing.words import no_place_in_words
 from testbench.measurements.responses import UNIT_OF
 from testbench.results.model_file import ModelFile
 
@@ -88,15 +87,13 @@ def ladder_table(file: ModelFile) -> str:
 
 def comparison_table(result: Comparison) -> str:
     """RMS against the noise floor, and the worst places in words."""
-    over_noise = {channel: rms / max(result.noise_floor[channel], 1e-300) for channel, rms in result.rms.items()}
     lines = [
         f"{channel_name(channel)}: RMS error {result.rms[channel]:.4g} {UNIT_OF[channel]}, {times:.1f} times the "
         f"noise floor of {result.noise_floor[channel]:.2g} (estimated from the samples)"
-        for channel, times in over_noise.items()
+        for channel, times in result.over_noise.items()
     ]
-    if result.worst:
-        lines.append("where it fails, the worst first:")
-        lines += [f"  {n}. {place.words}" for n, place in enumerate(result.worst, 1)]
-    else:
-        lines.append(no_place_in_words(over_noise))
+    if not result.worst:
+        return "\n".join([*lines, *result.places])
+    lines.append("where it fails, the worst first:")
+    lines += [f"  {n}. {words}" for n, words in enumerate(result.places, 1)]
     return "\n".join(lines)

@@ -65,7 +65,7 @@ class ComparisonResult:
         return tuple(place.words for place in self.comparison.worst)
 
     def __repr__(self) -> str:
-        return f"<ComparisonResult {'; '.join(self.words) or 'no place stands out from the noise'}>"
+        return f"<ComparisonResult {'; '.join(self.comparison.places)}>"
 
     def __str__(self) -> str:
         return comparison_table(self.comparison)
@@ -123,7 +123,7 @@ class ComparisonResult:
             for c, rms in self.comparison.rms.items()
         ]
         parts = table(("channel", "RMS error", "noise floor"), rows), picture(self.plot, len(rows))
-        lines = [*(self.words or ["no place stands out from the noise"]), *self.notes]
+        lines = [*self.comparison.places, *self.notes]
         return card("Where the model fails", lines, *parts)
 
 
