@@ -55,8 +55,12 @@ class Zero:
 
 
 def moved(measurement: Measurement, shift_mm: float) -> Measurement:
-    """The measurement with its displacement counted from another point; nothing is left free in it."""
-    shift = shift_mm / measurement.recording.gauge_length_mm
+    """The measurement with its displacement counted from another point; nothing is left free in it.
+
+    Of several recordings in a row only the last was clamped anew.
+    """
+    last = measurement.signals["time_s"] >= (measurement.begins_s[-1] if measurement.begins_s else -np.inf)
+    shift = shift_mm / measurement.recording.gauge_length_mm * last
     there = {name: measurement.signals[name] + shift for name in ("strain_nominal", "strain")}
     return replace(measurement, signals={**measurement.signals, **there}, clamp_play_mm=0.0)
 

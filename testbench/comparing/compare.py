@@ -12,7 +12,7 @@ import numpy as np
 from testbench.comparing.cell import Cell
 from testbench.comparing.model_errors import channel_name, noise_floors, rms_errors
 from testbench.comparing.residual_coordinates import COORDINATES, coordinates
-from testbench.comparing.words import no_place_in_words, place_in_words
+from testbench.comparing.words import NOISE_REACHED, no_place_in_words, place_in_words
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
@@ -113,6 +113,7 @@ def compare(model: KnitModel, measurement: Measurement, free_offset: bool = Fals
         As in `testbench.comparing.model_errors.rms_errors`.
     """
     residual = measurement.residual(model)
+    errors, floors = rms_errors(model, measurement, free_offset), noise_floors(measurement)
     where = {name: values[measurement.counts] for name, values in coordinates(measurement).items()}
     maps, places = {}, []
     for channel, values in residual.items():
@@ -120,9 +121,10 @@ def compare(model: KnitModel, measurement: Measurement, free_offset: bool = Fals
         if free_offset:
             counting = counting - counting.mean()
         maps[channel] = residual_maps(counting, where, measurement.dt_s)
-        places += _places(channel, maps[channel], counting, _size_of(measurement, channel))
+        if errors[channel] > NOISE_REACHED * floors[channel]:
+            places += _places(channel, maps[channel], counting, _size_of(measurement, channel))
     worst = _distinct(sorted(places, key=lambda place: -place.share_of_error))
-    return Comparison(rms_errors(model, measurement, free_offset), noise_floors(measurement), maps, tuple(worst))
+    return Comparison(errors, floors, maps, tuple(worst))
 
 
 def residual_maps(residual: FloatArray, where: Mapping[str, FloatArray], dt_s: float) -> dict[str, tuple[Cell, ...]]:
@@ -157,13 +159,23 @@ def _cell(residual: FloatArray, block: FloatArray, place: tuple[float, float, in
     if len(residual) < 10:
         return []
     names, index = np.unique(block, return_inverse=True)
-    if len(names) < 3:
-        error = float(np.std(residual))  # too few blocks to say better
-    else:
-        sums = np.bincount(index, weights=residual - residual.mean())
-        error = float(np.sqrt(np.sum(sums**2)) / len(residual))
+    # Too few blocks say no better than their samples.
+    error = _standard_error(residual, index) if len(names) > 2 else float(np.std(residual))
     low, high, side = place
     return [Cell(float(low), float(high), side, float(residual.mean()), error, len(residual) / total)]
+
+
+def _standard_error(values: FloatArray, block: np.ndarray) -> float:
+    """Of the mean of samples that are alike within a block: a jackknife over the blocks.
+
+    It is no less than that of as many independent samples as there are blocks: where one block holds nearly all
+    samples, the others say nothing of how much such means differ. Efron & Tibshirani, An Introduction to the Bootstrap
+    (1993), ch. 11.
+    """
+    sums, sizes = np.bincount(block, weights=values), np.bincount(block)
+    without = (values.sum() - sums) / (len(values) - sizes)
+    jackknife = np.sqrt(np.sum((without - values.mean()) ** 2) * (len(sums) - 1) / len(sums))
+    return float(max(jackknife, np.std(values) / np.sqrt(len(sums))))
 
 
 def _size_of(measurement: Measurement, channel: str) -> float:

@@ -17,6 +17,7 @@ SAMPLES = 300
 EXPONENTS = (0.5, 1.0)
 SHARES = (0.0, 1.0, 0.5)  # of the strain in what the contacts feel
 STILL_SEEN = 0.02  # of the resistance or conductance, in series or parallel: less than that hardly shows
+NARROWEST = 0.1  # of a parameter's range, in its logarithm, where the resistance is beyond all that is allowed
 CLEARLY_LESS = 0.8  # of the misfit of the usual start: where a less usual one has less, it is taken
 
 
@@ -81,7 +82,8 @@ def _fitted(contact: Effect, pressing: FloatArray, log_g: FloatArray) -> tuple[E
     # Far below the rest of the resistance nothing depends on these any more: no fit finds its way back from there.
     median_ohm = float(np.exp(-np.median(log_g)))
     for key, least in (("series_ohm", STILL_SEEN * median_ohm), ("parallel_S", STILL_SEEN / median_ohm)):
-        low[keys.index(key)] = max(low[keys.index(key)], np.log(least))
+        at_most = high[keys.index(key)] - NARROWEST
+        low[keys.index(key)] = np.clip(np.log(least), low[keys.index(key)], at_most)
     signals = {"contact_force_N": pressing}
 
     def at(x: FloatArray) -> Effect:

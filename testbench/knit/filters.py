@@ -71,6 +71,13 @@ def rate(x: FloatArray, dt_s: float) -> FloatArray:
     return (x[after] - x[before]) / (np.maximum(after - before, 1) * dt_s)
 
 
+def moving(x: FloatArray, dt_s: float) -> FloatArray:
+    """Rate of `x` per second, zero at the start: it was at rest before."""
+    speed = rate(x, dt_s)
+    speed[0] = 0.0
+    return speed
+
+
 def lagging_rate(x: FloatArray, dt_s: float) -> FloatArray:
     """Rate of change of `x` per second through a lag of `RATE_LAG_S`, as contacts feel it; zero at the start."""
     return highpass(x, RATE_LAG_S, dt_s) / RATE_LAG_S

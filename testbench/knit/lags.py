@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 
 from testbench.knit.effect import FloatArray
+from testbench.knit.filters import hold_coefficients
 
 
 @njit("float64[:](float64[:], float64[:], float64[:], float64[:], float64[:])", cache=True, nogil=True)
@@ -72,17 +73,24 @@ def first_order(x: FloatArray, a: float, b0: float, b1: float, start: float) -> 
     return out
 
 
-@njit("float64[:](float64[:], float64, float64)", cache=True, nogil=True)
-def two_way_lowpass(x: FloatArray, keep_up: float, keep_down: float) -> FloatArray:
-    """First-order low-pass with one memory while it rises and another while it falls, at rest at ``x[0]``.
+def two_way_lowpass(x: FloatArray, tau_up_s: float, tau_down_s: float, dt_s: float) -> FloatArray:
+    """First-order low-pass with one time while it rises and another while it falls, at rest at ``x[0]``; shape (n,).
 
-    ``keep = exp(-dt / tau)`` for each way.
+    Solved exactly for x that runs straight between its samples, but for the step in which it turns.
     """
+    up, down = (np.concatenate(hold_coefficients(np.array([tau_s]), dt_s)) for tau_s in (tau_up_s, tau_down_s))
+    return _two_ways(np.ascontiguousarray(x), up, down)
+
+
+@njit("float64[:](float64[:], float64[:], float64[:])", cache=True, nogil=True)
+def _two_ways(x: FloatArray, up: FloatArray, down: FloatArray) -> FloatArray:
+    """Recursion of `two_way_lowpass`; `up` and `down` are `hold_coefficients`."""
     out = np.empty_like(x)
     y = x[0]
-    for i in range(len(x)):
-        keep = keep_up if x[i] > y else keep_down
-        y = keep * y + (1.0 - keep) * x[i]
+    out[0] = y
+    for i in range(1, len(x)):
+        way = up if x[i] + x[i - 1] > 2.0 * y else down
+        y = way[0] * y + way[1] * x[i] + way[2] * x[i - 1]
         out[i] = y
     return out
 

@@ -13,7 +13,8 @@ from numba import njit
 
 from testbench.knit import spectra
 from testbench.knit.effect import FloatArray
-from testbench.knit.filters import memory, rate
+from testbench.knit.filters import memory
+from testbench.knit.filters import moving as moving
 from testbench.knit.kernels import last_turn, running_max, travelled, turns
 from testbench.knit.lags import two_way_lowpass
 
@@ -66,7 +67,7 @@ def gathered(gain: FloatArray, loss_per_s: FloatArray, dt_s: float) -> FloatArra
 
 @njit("float64[:](float64[:], float64, float64, float64)", cache=True, nogil=True)
 def oscillator(x: FloatArray, frequency_hz: float, damping: float, dt_s: float) -> FloatArray:
-    """Damped oscillator of unit gain at rest, driven by `x`: exact for `x` held at its mean over each step."""
+    """Oscillator of unit gain at rest, driven by `x`: exact for `x` held at its mean over a step; damping < 1."""
     out = np.empty_like(x)
     w = 2.0 * math.pi * frequency_hz
     wd = w * math.sqrt(max(1.0 - damping * damping, 1e-6))
@@ -163,13 +164,6 @@ def turning(x: FloatArray, back: float, dt_s: float) -> FloatArray:
     return np.diff(swung(x, back), prepend=0.0) / dt_s
 
 
-def moving(x: FloatArray, dt_s: float) -> FloatArray:
-    """Rate of `x` per second, zero at the start: it was at rest before."""
-    speed = rate(x, dt_s)
-    speed[0] = 0.0
-    return speed
-
-
 def heading(x: FloatArray, span: float) -> FloatArray:
     """+1 while `x` goes up, -1 while it comes down, turning over within `BACK` of the span."""
     from testbench.knit.kernels import bouc_wen_of_exponent_1
@@ -235,9 +229,8 @@ def broad_memory(x: FloatArray, tau_s: float, decades: float, dt_s: float) -> Fl
 
 
 def two_way_lag(x: FloatArray, up_s: float, down_s: float, dt_s: float) -> FloatArray:
-    """Lag with one time for the way up and another for the way down; `x` is held at its mean in a step."""
-    means = np.r_[x[:1], 0.5 * (x[:-1] + x[1:])]
-    return two_way_lowpass(means, math.exp(-dt_s / up_s), math.exp(-dt_s / down_s))
+    """Lag with one time for the way up and another for the way down; `x` runs straight between its samples."""
+    return two_way_lowpass(x, up_s, down_s, dt_s)
 
 
 def stop(x: FloatArray, reach: float) -> FloatArray:

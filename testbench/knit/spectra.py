@@ -9,7 +9,8 @@ import numpy as np
 
 from testbench.knit.effect import FloatArray
 
-# The trapezoid rule in ln(s) is exponentially accurate here: a step of 0.7 is good to about 1e-5.
+# The trapezoid rule in ln(s) is exponentially accurate here: a step of 0.7 is good to about 1e-5
+# (6e-4 for a power law).
 STEP = 0.7
 # Times beyond this hardly move in any recording, so leaving them out changes nothing that can be seen.
 LONGEST_S = 1e7

@@ -6,6 +6,8 @@ import numpy as np
 
 from testbench.knit.effect import FloatArray
 
+EDGE = 1e-3  # of a bin: times since 1970 are known to 0.2 microseconds
+
 
 def read_at(grid_s: FloatArray, time_s: FloatArray, step_s: float) -> np.ndarray:
     """Whether a sample lies within `step_s` of each grid point: what was interpolated over a gap is no reading."""
@@ -30,7 +32,7 @@ class Bins:
     def __init__(self, time_s: FloatArray, rate_hz: float) -> None:
         self._time_s = time_s
         # A sample on an edge, but for rounding, is behind it; one on the last edge has no bin of its own.
-        place = (time_s * rate_hz + 1e-6).astype(np.int64)
+        place = (time_s * rate_hz + EDGE).astype(np.int64)
         count = int(place[-1])
         self._bin = np.minimum(place, count - 1)
         self._filled = np.bincount(self._bin, minlength=count)

@@ -10,16 +10,21 @@ from testbench.knit.effect import FloatArray
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.motion import TURN
 
+UNREAD = (
+    4  # points at most, for each that counts, where rests and gaps lie between: only simulations pass through those
+)
+
 
 def coarser(measurement: Measurement, rate_hz: float, most_points: float = np.inf) -> Measurement:
     """The same measurement at every so many grid points: fits on it cost less and say the same.
 
-    The rate is at least `rate_hz`, unless that would be more than `most_points`.
+    The rate is at least `rate_hz`, unless more than `most_points` would count.
     Points are left out, not averaged: where ln G bends sharply, the mean of ln G is not ln G at the mean strain. A
     turn of the strain stands for the points around it, which friction would not remember as it does the turn.
     """
     strain = measurement.signals["strain"]
-    every = max(int(1.0 / (measurement.dt_s * rate_hz) + 1e-9), int(np.ceil(len(strain) / most_points)))
+    points = max(float(measurement.counts.sum()), len(strain) / UNREAD)
+    every = max(int(1.0 / (measurement.dt_s * rate_hz) + 1e-9), int(np.ceil(points / most_points)))
     if every < 2:
         return measurement
     kept = _turns_kept(strain, every, float(np.median(measurement.strain_noise)))

@@ -40,7 +40,7 @@ def split(
             "the last third of one recording was not clamped anew"
         )
     if held_out is None:
-        cut_s = recording.duration_s * (1 - held_share)
+        cut_s = _recorded_until(recording, 1 - held_share)
         parts = prepare(recording, (0.0, cut_s)), prepare(recording, (cut_s, np.inf))
         _check_parts(*parts, cut_s)
         return ended(parts[0]), parts[1]
@@ -53,6 +53,17 @@ def split(
             f"{', '.join(calibration.channels)}; both need the same channels"
         )
     return calibration, replace(held, clamp_play_mm=clamp_play_mm)
+
+
+def _recorded_until(recording: Recording, share: float) -> float:
+    """Time after the start at which this share of what was recorded has passed; gaps do not count."""
+    gaps_s = [(start - recording.time_s[0], end - start) for start, end in recording.gaps]
+    left_s = share * (recording.duration_s - sum(length for _, length in gaps_s))
+    for start_s, length_s in gaps_s:
+        if start_s >= left_s:
+            break
+        left_s += length_s
+    return float(left_s)
 
 
 def check_gauge_length(one: Recording, other: Recording) -> None:

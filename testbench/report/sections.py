@@ -214,8 +214,8 @@ def diagnosis_section(diagnosis: Mapping[str, Any], title: str = "What is missin
     if diagnosis["ranking"]:
         items.append(candidates_table(diagnosis))
         caption = (
-            "What a refit with each effect takes off the held-out error, with the 95 % interval over blocks of 60 s. "
-            "In brackets: how probable it is that this effect is what is missing most."
+            "What a refit with each effect takes off the held-out error, with the 95 % interval over blocks of up to "
+            "60 s. In brackets: how probable it is that this effect is what is missing most."
         )
         items.append(Picture(f"candidates{tail}", diagnosis_figures.candidates(diagnosis), caption))
     depends = diagnosis_figures.dependence(diagnosis)

@@ -20,7 +20,7 @@ def shaken(speed: FloatArray, tau_s: float, dt_s: float) -> FloatArray:
 class ElectricalOvershootMagnitude(OvershootLaw):
     """Any motion, in either direction, shakes the contacts: the conductance shifts and comes back at rest.
 
-    ln G += gain * y,   y' = |e'| - y / tau
+    ln G += gain * y,   y' = |e'| - y / tau        (e' with a lag of 0.1 s)
 
     Source: a network of filler that motion breaks and rest heals, Kraus, J. Appl. Polym. Sci. Appl. Polym. Symp. 39
     (1984) 75, linearised; of its conductance: Yamaguchi, Busfield & Thomas, J. Polym. Sci. B 41 (2003) 2079.
@@ -45,6 +45,7 @@ class ElectricalOvershootTwoWays(ElectricalOvershootMagnitude):
     """Motion shakes the contacts, on the way back by another share than on the way out; they come back at rest.
 
     ln G += gain * y,   y' = h |e'| - y / tau,   h = 1 on the way out, back on the way back
+    (e' with a lag of 0.1 s)
 
     Source: as `electrical_overshoot_magnitude`; that particles part and meet otherwise on the way back: Flandin,
     Hiltner & Baer, Polymer 42 (2001) 827.

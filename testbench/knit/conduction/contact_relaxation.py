@@ -132,8 +132,7 @@ class ContactRelaxationAsymmetric(SpotsLaw):
         from testbench.knit.lags import two_way_lowpass
 
         pressing_N = signals["contact_force_N"]
-        keep_up, keep_down = np.exp(-dt_s / self.tau_up_s), np.exp(-dt_s / self.tau_down_s)
-        lag_N = two_way_lowpass(pressing_N, keep_up, keep_down) - pressing_N
+        lag_N = two_way_lowpass(pressing_N, self.tau_up_s, self.tau_down_s, dt_s) - pressing_N
         return self.gain_per_N * lag_N
 
 

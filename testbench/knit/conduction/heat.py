@@ -330,4 +330,5 @@ def _wander(time_s: FloatArray, steps: tuple[float, ...], dt_s: float) -> FloatA
     duration_s = max(time_s[-1], dt_s)
     used = int(np.clip(2 + duration_s / ROOM_S, 3, len(steps)))  # cubic: three more bumps than spans
     heights = np.cumsum([0.0, *steps[:used]])
-    return bspline(time_s / duration_s, heights)
+    wandered = bspline(time_s / duration_s, heights)
+    return wandered - wandered[0]

@@ -8,7 +8,7 @@ import numpy as np
 
 from testbench.knit.additive import ConductanceLaw
 from testbench.knit.effect import FloatArray, Signals, parameter
-from testbench.knit.filters import highpass, log_conductance, lowpass, rate
+from testbench.knit.filters import highpass, log_conductance, lowpass, moving, rate
 
 SETTLING_S = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
 SMALLEST_TURN = 0.02  # of the span; wobbles below are no turns
@@ -105,8 +105,8 @@ class ElectricalOvershootMotion(OvershootLaw):
     rate0_per_s: float = parameter(0.02, unit="1/s", low=1e-4, high=1, scale="log", doc="rate that counts as motion")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        moving = np.tanh(np.abs(rate(signals["strain"], dt_s)) / self.rate0_per_s)
-        return self.gain * lowpass(moving, self.tau_s, dt_s)
+        in_motion = np.tanh(np.abs(moving(signals["strain"], dt_s)) / self.rate0_per_s)
+        return self.gain * lowpass(in_motion, self.tau_s, dt_s)
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return [{"tau_s": tau_s, "rate0_per_s": r} for tau_s in (0.1, 1.0, 5.0) for r in (0.005, 0.02, 0.08)]
@@ -142,7 +142,7 @@ class ShoulderPeak(ShoulderLaw):
 class ShoulderBumps(ShoulderLaw):
     """Base of the laws of peaks of the resistance at some places of the way back, none on the way out.
 
-    ln G += b(z) * sum_j w_j B_j(place),   dz/de = (sgn(de) - z) / (travel * span)
+    ln G += b(z) * sum_j w_j B_j(place),   dz/|de| = (sgn(de) - z) / (travel * span)
     b = max((1 - z) / 2 - late, 0) / (1 - late)
 
     Source: Flandin, Hiltner & Baer, Polymer 42 (2001) 827; penalised splines, Eilers & Marx, Statist. Sci. 11 (1996)

@@ -8,7 +8,7 @@ import numpy as np
 
 from testbench.knit.conduction.transient import OvershootLaw
 from testbench.knit.effect import FloatArray, Signals, parameter
-from testbench.knit.filters import highpass, lowpass, rate
+from testbench.knit.filters import highpass, lowpass, moving
 
 # Spikes to try: sudden ones, and ones that rise as slowly as they settle.
 SPIKES: list[dict[str, Any]] = [
@@ -40,7 +40,7 @@ class ElectricalOvershootReversal(OvershootLaw):
         return SPIKES
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        direction = lowpass(np.tanh(rate(signals["strain"], dt_s) / self.rate0_per_s), self.rise_s, dt_s)
+        direction = lowpass(np.tanh(moving(signals["strain"], dt_s) / self.rate0_per_s), self.rise_s, dt_s)
         turned = highpass(direction, self.tau_s, dt_s)
         return 0.5 * self.gain * turned
 

@@ -92,6 +92,7 @@ class ActuatorBacklashCompensated(BacklashLaw):
     """
 
     name = "actuator_backlash_compensated"
+    looks_ahead = True  # a controller knows its next stroke
     look = "after each reversal, also of the shortest stroke, force and conductance jump by the same displacement"
 
     gap: float = parameter(0.004, unit="1", low=-0.2, high=0.2, doc="motion lost at each turn, as strain")

@@ -78,8 +78,9 @@ class MullinsSofteningPower(MullinsLaw):
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         from testbench.knit.kernels import running_max
 
-        top = np.maximum(running_max(signals["strain"]), 1e-6)
-        lost = lost_below(signals["strain"], top, self.span, self.power, self.growth)
+        strain, top = signals["strain"], running_max(signals["strain"])
+        lost = lost_below(strain, np.maximum(top, 1e-6), self.span, self.power, self.growth)
+        lost[strain >= top] = 0.0  # never stretched farther, however little that is
         return {"force_N": signals["force_N"] * (1 - self.softening * lost)}
 
 
@@ -109,7 +110,7 @@ class MullinsSofteningDamage(MullinsLaw):
 class MullinsSofteningCurve(MullinsLaw):
     """Below the largest stretch so far the knit is softer, along a smooth curve of any form.
 
-    F *= exp( e_max / span * curve(1 - e / e_max) )
+    F *= exp( e_max / span * (curve(1 - e / e_max) - curve(0)) )
 
     Source: pseudo-elasticity as `mullins_softening`; the curve as in `elasticity_shape`.
     Valid: the first few stretches; no healing; `span` is the largest strain of the recording.
@@ -127,13 +128,14 @@ class MullinsSofteningCurve(MullinsLaw):
 
         top = np.maximum(running_max(signals["strain"]), 1e-6)
         below = 1 - np.clip(signals["strain"] / top, 0.0, 1.0)
-        return {"force_N": signals["force_N"] * factor_of(top / self.span * curve(below, 0.0, 1.0, self.weights))}
+        softer = curve(below, 0.0, 1.0, self.weights) - curve(np.zeros(1), 0.0, 1.0, self.weights)
+        return {"force_N": signals["force_N"] * factor_of(top / self.span * softer)}
 
 
 class MullinsSofteningHealing(MullinsLaw):
     """Below the largest stretch that it still remembers the knit is softer, and it forgets: with time it heals.
 
-    F *= 1 - softening * top / span * (1 - (e / top)^power)
+    F *= 1 - softening * min(top / span, 1 / 0.9) * (1 - (e / top)^power)
     top follows e at once where that is higher, else  d top / dt = -(top - e) / heal
 
     Source: softening as `mullins_softening_power`; recovery with time as reviewed by Diani, Fayolle & Gilormini, Eur.
@@ -153,7 +155,8 @@ class MullinsSofteningHealing(MullinsLaw):
         from testbench.knit.lags import two_way_lowpass
 
         strain = np.ascontiguousarray(signals["strain"])
-        top = np.maximum(two_way_lowpass(strain, 0.0, np.exp(-dt_s / self.heal_s)), 1e-6)
+        remembered = np.maximum(two_way_lowpass(strain, 0.0, self.heal_s, dt_s), strain)
+        top = np.maximum(remembered, 1e-6)
         lost = lost_below(strain, top, self.span, self.power)
         return {"force_N": signals["force_N"] * (1 - self.softening * lost)}
 
@@ -299,5 +302,9 @@ class CyclicFatigueSwings(LevellingOff):
 
         strain = signals["strain"]
         turned = strain[last_turn(strain, DEAD_BAND_STRAIN)]
-        away = np.abs(strain - turned) / self.span
-        return np.cumsum(np.diff(cycled_strain(signals), prepend=0.0) * away**power)
+        ends = np.abs(np.stack((np.r_[strain[0], strain[:-1]], strain)) - turned) / self.span
+        near, far = ends.min(axis=0), ends.max(axis=0)
+        # The mean of the power over a step, exactly, but where that is a difference of equal numbers.
+        short = far - near < 1e-6 * far + 1e-12
+        mean = (far ** (power + 1) - near ** (power + 1)) / ((power + 1) * np.where(short, 1.0, far - near))
+        return np.cumsum(np.diff(cycled_strain(signals), prepend=0.0) * np.where(short, far**power, mean))

@@ -183,7 +183,7 @@ class ElasticityGent(ElasticLaw):
     J_m is J at the strain `locking`, where the force would be infinite.
 
     Source: Gent, Rubber Chem. Technol. 69 (1996) 59 (incompressible, uniaxial).
-    Valid: e > -0.5 and below `locking`.
+    Valid: -0.5 < e < `locking`; where e < 0 nothing locks, and J counts as 0.
     """
 
     name = "elasticity_gent"

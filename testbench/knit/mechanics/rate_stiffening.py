@@ -156,7 +156,7 @@ class ViscousRateStiffeningPower(RateLaw):
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         raised = _power_of_rate(signals["strain"], dt_s, self.exponent, self.rate0_per_s)
-        return {"force_N": signals["force_N"] * (1 + self.gain * raised)}
+        return {"force_N": signals["force_N"] * np.maximum(1 + self.gain * raised, 0.0)}
 
 
 class ViscousRateStiffeningMagnitude(RateLaw):
@@ -201,7 +201,7 @@ class ViscousRateStiffeningRelative(RateLaw):
 class ViscousRateStiffeningCurve(RateLaw):
     """The whole force depends on the strain rate along a smooth curve of any form.
 
-    F *= exp( curve(v) ),   v = asinh(30 e' / reach) / (2 asinh(30)) + 1/2
+    F *= exp( curve(v) - curve(1/2) ),   v = asinh(30 e' / reach) / (2 asinh(30)) + 1/2
 
     Source: smoothing splines as a cosine series, Wahba, Spline Models for Observational Data (1990), ch. 2, over a
     rate that is stretched around rest.
@@ -221,4 +221,5 @@ class ViscousRateStiffeningCurve(RateLaw):
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         v = np.arcsinh(30 * rate(signals["strain"], dt_s) / self.reach_per_s) / (2 * np.arcsinh(30)) + 0.5
-        return {"force_N": signals["force_N"] * np.exp(curve(v, 0.0, 1.0, self.weights))}
+        stiffer = curve(v, 0.0, 1.0, self.weights) - curve(np.full(1, 0.5), 0.0, 1.0, self.weights)
+        return {"force_N": signals["force_N"] * np.exp(stiffer)}

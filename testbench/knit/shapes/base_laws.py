@@ -103,7 +103,7 @@ class HysteresisShape(ForceLaw):
 class ContactShape(ConductanceLaw):
     """Any smooth correction to the law of conductance over contact force and strain.
 
-    ln G += curve(sqrt(P / span_N)) + curve(e / span),   the curves as in `elasticity_shape`
+    ln G += curve(sqrt((P - low_N) / span_N)) + curve(e / span),   the curves as in `elasticity_shape`
 
     Contacts conduct with about the root of what presses them (Holm): there a smooth curve sees light loads, too.
 
@@ -175,7 +175,8 @@ class DriftShape(ConductanceLaw):
 class ContactDriftShape(ConductanceLaw):
     """Drift of the contacts alone: how much it changes ln G depends on how hard they are pressed.
 
-    ln G += sum_j B_j(P / span_N) * (sum_k w_jk (1 - exp(-t / tau_k)) + w_j3 t / 1000 s),   tau = 3, 30, 300 s
+    ln G += sum_j B_j((P - low_N) / span_N) * (sum_k w_jk (1 - exp(-t / tau_k)) + w_j3 t / 1000 s)
+    tau = 3, 30, 300 s
 
     Paths beside the contacts (floats) and in series (yarn) hide part of what the contacts do, each at its own load.
 

@@ -29,7 +29,8 @@ def removed_percent(gain: float) -> float:
 def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
     """What a refit with each effect takes off the error on samples that no fit has seen, best first.
 
-    The bar is measured, with its 95 % interval over blocks of 60 s; an effect that was not worth a refit has none.
+    The bar is measured, with its 95 % interval over blocks of up to 60 s; an effect that was not worth a refit has
+    none.
     Left of 0, an effect adds to the error.
 
     Parameters

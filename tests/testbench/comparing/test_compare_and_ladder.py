@@ -52,9 +52,9 @@ def test_a_misfit_over_strain_is_named():
 def test_a_right_model_has_no_bad_places():
     result = compare(truth(), prepare(record(truth())))
     assert result.rms["force"] == pytest.approx(result.noise_floor["force"], rel=0.05)
-    standing_out = [c for maps in result.maps.values() for cells in maps.values() for c in cells if abs(c.t) > 3]
-    assert standing_out, "by chance, and with less than a hundredth of the error"
-    assert result.worst == ()
+    cells = [cell for maps in result.maps.values() for found in maps.values() for cell in found]
+    assert sum(abs(cell.t) > 3 for cell in cells) <= 1 < len(cells) / 50
+    assert not result.worst
 
 
 def test_maps_hold_every_sample_once_and_their_means_make_up_the_residual():

@@ -101,7 +101,7 @@ async def _answer(studio: Studio, diagnosis: Mapping[str, Any], where: Address) 
     plot(
         figures.candidates(diagnosis),
         "What a refit with each effect takes off the error on samples that no fit has seen, with the 95 % interval "
-        "over blocks of 60 s. In brackets: how probable it is that this effect is what is missing most.",
+        "over blocks of up to 60 s. In brackets: how probable it is that this effect is what is missing most.",
     )
     chosen = next((entry for entry in ranking if entry["law"] == pick), ranking[0])
     candidates = _Candidates(studio, diagnosis, where)
