@@ -169,8 +169,8 @@ def _standard_error(values: FloatArray, block: np.ndarray) -> float:
     """Of the mean of samples that are alike within a block: a jackknife over the blocks.
 
     It is no less than that of as many independent samples as there are blocks: where one block holds nearly all
-    samples, the others say nothing of how much such means differ. Efron & Tibshirani, An Introduction to the Bootstrap
-    (1993), ch. 11.
+    samples, the others say nothing of how much such means differ. Efron & Tibshirani, An Introduction to the
+    Bootstrap (1993), ch. 11.
     """
     sums, sizes = np.bincount(block, weights=values), np.bincount(block)
     without = (values.sum() - sums) / (len(values) - sizes)

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from gcode.support.errors import UserError
 from testbench.cli import main
-from testbench.comparing.clamping import TRIED_MM, may_be_clamped_anew, zero_of
+from testbench.comparing.clamping import TRIED_MM, may_be_clamped_anew, moved, zero_of
 from testbench.comparing.ladder import on_the_ladder
 from testbench.comparing.remounting import held_errors
 from testbench.comparing.tables import errors_line
 from testbench.fitting.fit import Fit, fit
+from testbench.measurements.joining import last_of
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.splitting import split
 from testbench.recordings.recording import Recording
@@ -94,3 +96,13 @@ def test_the_last_third_was_not_clamped_anew(tmp_path, capsys) -> None:
     argv = ["fit", path, "--gauge-length-mm", "25", "--clamp-play-mm", "0.5", "-o", str(tmp_path / "m.json")]
     assert main(argv) == 2
     assert "was not clamped anew" in capsys.readouterr().err
+
+
+def test_only_the_last_of_several_recordings_is_moved() -> None:
+    """What came before is one history of the specimen, as it was read."""
+    recordings = [record(truth(), 60, seed=seed) for seed in (1, 2, 3)]
+    last = last_of(recordings, [60.0, 60.0])
+    shifted = moved(last, 0.5).signals["strain"] - last.signals["strain"]
+    late = last.signals["time_s"] >= last.begins_s[-1]
+    np.testing.assert_allclose(shifted[~late], 0.0, atol=0)
+    np.testing.assert_allclose(shifted[late], 0.5 / recordings[0].gauge_length_mm)

@@ -92,3 +92,12 @@ def test_path_and_work_add_up_both_ways():
 def test_a_delay_is_what_was():
     assert memories.delayed(T, 0.5, DT_S)[-1] == pytest.approx(T[-1] - 0.5)
     assert memories.delayed(T, 0.5, DT_S)[0] == 0.0
+
+
+@pytest.mark.parametrize("dt_s", [0.001, 0.1, 0.5])
+def test_a_lag_of_two_ways_is_that_of_each_way_at_every_sampling_rate(dt_s):
+    time_s = np.arange(0, 20 + dt_s / 2, dt_s)
+    ramps = np.interp(time_s, [0, 10, 20], [0.0, 5.0, 0.0])
+    lag = ramps - memories.two_way_lag(ramps, 0.2, 1.0, dt_s)
+    at = np.searchsorted(time_s, [9.0 - 1e-9, 19.0 - 1e-9])
+    assert lag[at] == pytest.approx([0.5 * 0.2, -0.5 * 1.0], rel=1e-3)

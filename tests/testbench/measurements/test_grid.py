@@ -158,3 +158,26 @@ def test_a_long_recording_enters_thinned_its_times_kept(monkeypatch):
     measurement = prepare(triangles(12.0))
     np.testing.assert_allclose(np.diff(measurement.grid_s), 3 / 12, atol=1e-9)
     assert measurement.recording.duration_s == pytest.approx(800, abs=0.5)
+
+
+def test_times_since_1970_fill_the_bins_as_times_from_zero_do():
+    """A double knows them to a quarter of a microsecond."""
+    time_s = np.arange(0, 120, 0.02)
+    late_s = (time_s + 1.7e9) - 1.7e9
+    assert not np.array_equal(late_s, time_s)
+    np.testing.assert_array_equal(Bins(late_s, 25.0)._filled, Bins(time_s, 25.0)._filled)
+
+
+def paused(pause_s: float, rate_hz: float = 12.5) -> Recording:
+    """The triangles with a gap after a quarter of them."""
+    whole = triangles(rate_hz)
+    late = whole.time_s >= 200
+    return Recording(whole.time_s + pause_s * late, whole.channels, GAUGE_LENGTH_MM)
+
+
+def test_a_gap_takes_few_points_of_the_grid_away_and_no_share_of_the_held_out_part():
+    counted = [int(one.counts.sum()) for one in split(paused(0.0))]
+    after_gap = [int(one.counts.sum()) for one in split(paused(3600.0))]
+    assert after_gap == pytest.approx(counted, abs=30)
+    whole, late = prepare(paused(0.0)), prepare(paused(1800.0))
+    assert on_the_grid(late).dt_s == pytest.approx(on_the_grid(whole).dt_s)

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from testbench.knit.conduction.heat import (
+    WANDER_STEPS,
     SelfHeating,
     SelfHeatingCurrent,
     SelfHeatingTwoMasses,
     TemperatureDrift,
+    TemperatureDriftWander,
     ThermalSoftening,
     ThermalSofteningWander,
 )
@@ -71,3 +73,10 @@ def test_a_room_does_not_wander_within_a_minute() -> None:
     np.testing.assert_array_equal(
         unused.apply({"time_s": time_s, "force_N": 1 + time_s}, DT_S)["force_N"], 1 + time_s
     )
+
+
+def test_a_room_that_wanders_begins_where_it_is():
+    time_s = np.arange(0, 600, 0.1)
+    signals = {"time_s": time_s, "strain": np.zeros_like(time_s), "conductance_S": np.ones_like(time_s)}
+    wander = TemperatureDriftWander(weights=(0.1,) + (0.0,) * (WANDER_STEPS - 1))
+    assert np.log(wander.apply(signals, 0.1)["conductance_S"])[0] == pytest.approx(0.0, abs=1e-12)

@@ -21,7 +21,11 @@ from tests.testbench.knit.samples import UP, UP_DOWN_UP
 
 
 def factor(effect: MullinsLaw | FatigueLaw, strain: np.ndarray) -> np.ndarray:
-    return effect.apply({"strain": strain, "force_N": np.ones_like(strain)}, 0.05)["force_N"]
+    return factor_at(effect, strain, 0.05)
+
+
+def factor_at(effect: MullinsLaw | FatigueLaw, strain: np.ndarray, dt_s: float) -> np.ndarray:
+    return effect.apply({"strain": strain, "force_N": np.ones_like(strain)}, dt_s)["force_N"]
 
 
 def test_virgin_curve_is_not_softened_and_the_second_stretch_is() -> None:
@@ -87,3 +91,31 @@ def test_onsets_start_a_fit_inside_the_strain_that_was_reached() -> None:
     onsets = [point["onset"] for point in JammingStiffening().starts({"strain": UP_DOWN_UP}, {})]
     assert min(onsets) == pytest.approx(0.105)
     assert max(onsets) < np.max(UP_DOWN_UP)
+
+
+@pytest.mark.parametrize("growth", [0.0, 0.1, 1.0])
+def test_powers_leave_a_knit_alone_that_was_never_stretched(growth: float) -> None:
+    pulled = np.r_[np.full(20, -0.005), np.zeros(20), UP]
+    soft = factor(MullinsSofteningPower(softening=0.3, growth=growth), pulled)
+    np.testing.assert_allclose(soft, 1.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("power", [2.0, 8.0])
+@pytest.mark.parametrize("rate_hz", [40.0, 10.0, 5.0])
+def test_swings_tire_a_knit_alike_at_every_sampling_rate(power: float, rate_hz: float) -> None:
+    """A swing of the whole span costs 1 / (power + 1) of its path on each way."""
+    time_s = np.arange(0, 100, 1 / rate_hz)
+    triangle = 0.3 * (1 - np.abs(1 - time_s % 2))
+    fatigue = CyclicFatigueSwings(power=power, span=0.3, scale=100.0)
+    path = -100.0 * np.log1p(-fatigue.tired({"strain": triangle})[-1])
+    assert path == pytest.approx(100 * 0.3 * (1 - 0.004 / 0.3) / (power + 1), rel=0.03)
+
+
+@pytest.mark.parametrize("dt_s", [0.001, 0.1, 1.0])
+def test_a_softened_knit_heals_alike_at_every_sampling_rate(dt_s: float) -> None:
+    time_s = np.arange(0, 40 + dt_s / 2, dt_s)
+    strain = np.interp(time_s, [0, 10, 40], [0.0, 0.3, 0.0])  # on the way back it falls by 0.01 / s
+    law = MullinsSofteningHealing(softening=0.5, heal_s=2.0, power=1.0, span=0.3)
+    lost = 1 - factor_at(law, strain, dt_s)[np.searchsorted(time_s, 30.0 - 1e-9)]
+    top = 0.1 + 0.01 * 2.0  # a lag of one time constant
+    assert lost == pytest.approx(0.5 * top / 0.3 * (1 - 0.1 / top), rel=1e-3)
