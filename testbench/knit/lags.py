@@ -8,7 +8,6 @@ import numpy as np
 from numba import njit
 
 from testbench.knit.effect import FloatArray
-from testbench.knit.filters import hold_coefficients
 
 
 @njit("float64[:](float64[:], float64[:], float64[:], float64[:], float64[:])", cache=True, nogil=True)
@@ -73,18 +72,12 @@ def first_order(x: FloatArray, a: float, b0: float, b1: float, start: float) -> 
     return out
 
 
-def two_way_lowpass(x: FloatArray, tau_up_s: float, tau_down_s: float, dt_s: float) -> FloatArray:
-    """First-order low-pass with one time while it rises and another while it falls, at rest at ``x[0]``; shape (n,).
-
-    Solved exactly for x that runs straight between its samples, but for the step in which it turns.
-    """
-    up, down = (np.concatenate(hold_coefficients(np.array([tau_s]), dt_s)) for tau_s in (tau_up_s, tau_down_s))
-    return _two_ways(np.ascontiguousarray(x), up, down)
-
-
 @njit("float64[:](float64[:], float64[:], float64[:])", cache=True, nogil=True)
-def _two_ways(x: FloatArray, up: FloatArray, down: FloatArray) -> FloatArray:
-    """Recursion of `two_way_lowpass`; `up` and `down` are `hold_coefficients`."""
+def two_way_lowpass(x: FloatArray, up: FloatArray, down: FloatArray) -> FloatArray:
+    """First-order low-pass with one memory while it rises and another while it falls, at rest at ``x[0]``.
+
+    ``y1 = a y0 + b0 x1 + b1 x0`` with (a, b0, b1) of each way, see `filters.hold_coefficients`.
+    """
     out = np.empty_like(x)
     y = x[0]
     out[0] = y

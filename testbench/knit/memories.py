@@ -13,7 +13,7 @@ from numba import njit
 
 from testbench.knit import spectra
 from testbench.knit.effect import FloatArray
-from testbench.knit.filters import memory
+from testbench.knit.filters import hold_coefficients, memory
 from testbench.knit.filters import moving as moving
 from testbench.knit.kernels import last_turn, running_max, travelled, turns
 from testbench.knit.lags import two_way_lowpass
@@ -229,8 +229,12 @@ def broad_memory(x: FloatArray, tau_s: float, decades: float, dt_s: float) -> Fl
 
 
 def two_way_lag(x: FloatArray, up_s: float, down_s: float, dt_s: float) -> FloatArray:
-    """Lag with one time for the way up and another for the way down; `x` runs straight between its samples."""
-    return two_way_lowpass(x, up_s, down_s, dt_s)
+    """Lag with one time while it rises and another while it falls, at rest at the start; shape (n,).
+
+    Exact for `x` that runs straight between its samples, but for the step in which the way changes.
+    """
+    up, down = (np.concatenate(hold_coefficients(np.array([tau_s]), dt_s)) for tau_s in (up_s, down_s))
+    return two_way_lowpass(np.ascontiguousarray(x), up, down)
 
 
 def stop(x: FloatArray, reach: float) -> FloatArray:

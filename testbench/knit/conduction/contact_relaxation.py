@@ -129,10 +129,10 @@ class ContactRelaxationAsymmetric(SpotsLaw):
     tau_down_s: float = parameter(30.0, unit="s", low=1, high=1000, scale="log", doc="time in which contacts part")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        from testbench.knit.lags import two_way_lowpass
+        from testbench.knit.memories import two_way_lag
 
         pressing_N = signals["contact_force_N"]
-        lag_N = two_way_lowpass(pressing_N, self.tau_up_s, self.tau_down_s, dt_s) - pressing_N
+        lag_N = two_way_lag(pressing_N, self.tau_up_s, self.tau_down_s, dt_s) - pressing_N
         return self.gain_per_N * lag_N
 
 

@@ -152,10 +152,10 @@ class MullinsSofteningHealing(MullinsLaw):
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain at which the loss is counted")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        from testbench.knit.lags import two_way_lowpass
+        from testbench.knit.memories import two_way_lag
 
         strain = np.ascontiguousarray(signals["strain"])
-        remembered = np.maximum(two_way_lowpass(strain, 0.0, self.heal_s, dt_s), strain)
+        remembered = np.maximum(two_way_lag(strain, 0.0, self.heal_s, dt_s), strain)
         top = np.maximum(remembered, 1e-6)
         lost = lost_below(strain, top, self.span, self.power)
         return {"force_N": signals["force_N"] * (1 - self.softening * lost)}
