@@ -55,7 +55,6 @@ ALLOWED: dict[tuple[str, str], tuple[int, str]] = {
     ("compensation/search/search.py", "json.loads"): (1, ROUND_TRIP),
     ("gcode/support/console.py", "os.open"): (1, WRITES),
     ("gcode/support/disk.py", "os.open"): (3, WRITES),
-    ("gcode/support/files.py", ".open"): (1, "a file that was just written, to be synced"),
     ("gcode/support/streams.py", "open"): (1, NULL),
     ("gcode/support/streams.py", "os.open"): (1, NULL),
     ("gcode/support/strict.py", "json.loads"): (1, ITSELF),

@@ -33,9 +33,10 @@ def run(args: argparse.Namespace) -> int:
     from compensation.commands.common import check_long_enough, check_places
     from compensation.model.files import load
     from compensation.model.prediction import predicted
-    from compensation.series.preprocessing import recorded_duration_s, target_channel
+    from compensation.series.preprocessing import target_channel
     from compensation.series.reading import read_samples
     from gcode.support.files import atomic_path
+    from testbench.recordings.recording import recorded_duration_s
 
     check_places(args.output, None)
     compensator = load(args.compensator)

@@ -25,9 +25,9 @@ def run(args: argparse.Namespace) -> int:
     from compensation.commands.common import check_long_enough, check_places, finish, read_all
     from compensation.model.files import load
     from compensation.scoring.scorecard import score_recordings
-    from compensation.series.preprocessing import recorded_duration_s
     from gcode.support.files import write_text
     from testbench.recordings.doubts import check_distinct
+    from testbench.recordings.recording import recorded_duration_s
 
     check_places(args.output, args.plot)
     compensator = load(args.compensator)

@@ -109,9 +109,9 @@ def _implied(args: argparse.Namespace) -> str:
 def _check_long_enough(args: argparse.Namespace, options: Options, recordings: list[Recording]) -> None:
     """A filter that remembers longer than the recording lasts never leaves its initial value."""
     from compensation.memories.ema import smoothing_factors
-    from compensation.series.preprocessing import recorded_duration_s
     from compensation.training.learners import COUNT, FACTOR
     from gcode.support.errors import UserError
+    from testbench.recordings.recording import recorded_duration_s
 
     bank = smoothing_factors(FACTOR, COUNT) if args.method == "auto" else options.bank
     slowest_s = 1.0 / (options.rate_hz * float(min(bank)))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
-from testbench.recordings.recording import Recording, gaps_in
+from testbench.recordings.recording import Recording, recorded_duration_s
 
 TARGETS = {"force": (FORCE, "N"), "displacement": (DISPLACEMENT, "mm")}
 SHORTEST_RECORDING_S = 10.0
@@ -120,24 +120,6 @@ def sampled(recording: Recording, channel: str, rate_hz: float | None) -> Series
     for start_s, end_s in gaps:
         recorded &= (whole.time_s <= start_s) | (whole.time_s >= end_s)
     return whole.rows(np.flatnonzero(recorded))
-
-
-def recorded_time_s(time_s: FloatArray) -> FloatArray:
-    """Time in s since the first sample, during which something was recorded: as if the gaps were closed.
-
-    Parameters
-    ----------
-    time_s : ndarray, shape (n,)
-        Increasing.
-    """
-    gaps = np.reshape(gaps_in(time_s), (-1, 2))
-    missing_s = np.concatenate([[0.0], np.cumsum(np.diff(gaps))])
-    return time_s - time_s[0] - missing_s[np.searchsorted(gaps[:, 1], time_s, side="right")]
-
-
-def recorded_duration_s(time_s: FloatArray) -> float:
-    """How long something was recorded, from the first sample to the last."""
-    return float(recorded_time_s(time_s)[-1])
 
 
 def stands_still(values: FloatArray) -> bool:

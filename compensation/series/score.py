@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from compensation.series.preprocessing import recorded_time_s
 from gcode.support.arrays import FloatArray
+from testbench.recordings.recording import recorded_time_s
 
 # Errors APART_S (`compensation.training.recalibration`) apart are about independent: a block lasts a few times that.
 BLOCK_S, SHORTEST_BLOCK_S, FEWEST_BLOCKS = 60.0, 20.0, 5

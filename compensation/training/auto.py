@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from compensation.model.compensator import Scaling, TrainedCompensator
 from compensation.model.runtime import ready_for_use
 from compensation.series import score
-from compensation.series.preprocessing import Series, recorded_duration_s, stands_still
+from compensation.series.preprocessing import Series, stands_still
 from compensation.training.folds import fold_count, folds_of, split, whole_recordings
 from compensation.training.intervals import of_another, of_one_recording
 from compensation.training.learners import PACES, Learner, Line, Networks, Paper, Ridge
@@ -40,6 +40,7 @@ from compensation.training.stacking import STACK, choose, stacked, weights_of
 from compensation.training.untrained import describe
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
+from testbench.recordings.recording import recorded_duration_s
 
 LEARNERS: tuple[type[Learner], ...] = (Line, Ridge, Paper, Networks)
 

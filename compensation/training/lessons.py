@@ -19,11 +19,12 @@ from compensation.engines.adam import BATCH, train_adam
 from compensation.engines.network import Network
 from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import ready_for_use
-from compensation.series.preprocessing import Series, recorded_duration_s
+from compensation.series.preprocessing import Series
 from compensation.series.score import BLOCK_S
 from compensation.training.options import Options
 from compensation.training.untrained import training_arrays, untrained
 from gcode.support.arrays import FloatArray
+from testbench.recordings.recording import recorded_duration_s
 
 # The history's features are standardised to this spread: a little more penalised than the bank's, which have about 1.
 HISTORY_SPREAD = 0.5

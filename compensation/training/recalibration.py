@@ -14,12 +14,12 @@ from pathlib import Path
 import numpy as np
 
 from compensation.model.compensator import Scaling, TrainedCompensator
-from compensation.series.preprocessing import TARGETS, Series, recorded_duration_s, recorded_time_s
+from compensation.series.preprocessing import TARGETS, Series
 from compensation.series.reading import UNKNOWN_LENGTH_MM, read_samples
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from testbench.recordings.channels import RESISTANCE
-from testbench.recordings.recording import Recording, gaps_in
+from testbench.recordings.recording import Recording, gaps_in, recorded_duration_s, recorded_time_s
 
 # How far each wanders between specimens and with age, as standard deviations: log gain and zero (in standard
 # deviations of the training) of the input, then of the output. Errors APART_S apart are about independent, and as

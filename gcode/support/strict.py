@@ -20,7 +20,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
 from gcode.support.errors import UserError, first_problem
-from gcode.support.kinds import path_of
+from gcode.support.kinds import only_by_name, path_of
 
 MOST_BYTES = 256 << 20
 MOST_TOML_BYTES = 1 << 20
@@ -37,6 +37,22 @@ class StrictModel(BaseModel):
     """What a file may say: nothing unknown, nothing infinite, and nothing changed once it is loaded."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class NamedModel(BaseModel):
+    """What people make in Python, field by field: what is wrong with one is told in a sentence."""
+
+    def __init__(self, *unnamed: Any, **fields: Any) -> None:
+        """Raise `UserError` where a field is unknown, unnamed or missing, or has a value that it cannot have."""
+        only_by_name(type(self), "fields", unnamed)
+        try:
+            super().__init__(**fields)
+        except ValidationError as error:
+            raise UserError(f"{type(self).__name__}: {first_problem(error)}") from None
+
+    # As pydantic marks its own: what is validated as a part of something else is not made by a call of `__init__`, so
+    # that the error says where in the whole it is.
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
 
 class OpenModel(StrictModel):

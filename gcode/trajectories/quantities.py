@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import ConfigDict, Field
 
-from gcode.support.errors import UserError, first_problem
-from gcode.support.kinds import only_by_name
+from gcode.support.strict import NamedModel
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Duration = Annotated[float, Field(gt=0, le=48 * 3600, allow_inf_nan=False)]
@@ -18,19 +17,7 @@ MAX_SAMPLES = 20_000_000  # of a trajectory
 LARGEST_SEED = (1 << 53) - 1  # a header's numbers are read as floats, which are exact up to here
 
 
-class SpecModel(BaseModel):
+class SpecModel(NamedModel):
     """A part of a spec: nothing unknown, and nothing changed once it is made."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
-
-    def __init__(self, *unnamed: Any, **fields: Any) -> None:
-        """Raise `UserError` where a field is unknown, unnamed or missing, or has a value that it cannot have."""
-        only_by_name(type(self), "fields", unnamed)
-        try:
-            super().__init__(**fields)
-        except ValidationError as error:
-            raise UserError(f"{type(self).__name__}: {first_problem(error)}") from None
-
-    # As pydantic marks its own: what is validated as a part of something else is not made by a call of `__init__`, so
-    # that the error says where in the whole it is.
-    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]

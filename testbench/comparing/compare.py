@@ -77,12 +77,13 @@ class Comparison:
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready form; the shape is documented in docs/finding-effects.md."""
+        over_noise = self.over_noise
         channels = {
             channel: {
                 "unit": UNIT_OF[channel],
                 "rms": self.rms[channel],
                 "noise_floor": self.noise_floor[channel],
-                "over_noise": self.over_noise[channel],
+                "over_noise": over_noise[channel],
                 "maps": {
                     coordinate: [vars(cell) | {"t": cell.t} for cell in cells]
                     for coordinate, cells in self.maps[channel].items()

@@ -10,20 +10,18 @@ from testbench.comparing.clamping import moved, zero_of
 from testbench.comparing.model_errors import log_error, rms_errors
 from testbench.fitting.baseline import without_laws, without_zeros
 from testbench.fitting.fit import fit
-from testbench.knit.additive import AdditiveLaw
+from testbench.knit.additive import ConductanceLaw, ForceLaw
 from testbench.knit.effect import FloatArray, Signals, Stage, bounds_of, parameter
-from testbench.knit.filters import factor_of
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.responses import SIGNAL_OF
 
 
-class ForceOffset(AdditiveLaw):
+class ForceOffset(ForceLaw):
     """The zero of the load cell in one recording: F += offset."""
 
     name = "force_offset"
-    stage = Stage.READOUT
-    reads, writes = ("force_N",), ("force_N",)
+    stage, reads = Stage.READOUT, ("force_N",)
     strength = "offset_N"
 
     offset_N: float = parameter(0.0, unit="N", low=-1e3, high=1e3, typical=1.0, doc="what is read without load")
@@ -31,25 +29,17 @@ class ForceOffset(AdditiveLaw):
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
         return np.array(self.offset_N)
 
-    def put(self, signals: Signals, change: FloatArray) -> dict[str, FloatArray]:
-        return {"force_N": signals["force_N"] + change}
 
-
-class ConductanceGain(AdditiveLaw):
+class ConductanceGain(ConductanceLaw):
     """The gain of the conductance in one recording: ln G += gain."""
 
     name = "conductance_gain"
-    stage = Stage.READOUT
-    reads, writes = ("conductance_S",), ("conductance_S",)
-    strength = "gain"
+    stage, reads = Stage.READOUT, ("conductance_S",)
 
     gain: float = parameter(0.0, unit="1", low=-20, high=20, typical=1.0, doc="ln of the ratio to the model's")
 
-    def change(self, signals: Signals, dt_s: float) -> FloatArray:
-        return factor_of(np.array(self.gain))
-
-    def put(self, signals: Signals, change: FloatArray) -> dict[str, FloatArray]:
-        return {"conductance_S": signals["conductance_S"] * change}
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        return np.array(self.gain)
 
 
 def held_errors(model: KnitModel, held: Measurement) -> dict[str, float]:

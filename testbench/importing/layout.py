@@ -214,9 +214,7 @@ def _speaks(cells: Sequence[str]) -> bool:
 def _is_units(cells: Sequence[str]) -> bool:
     filled = [cell for cell in cells if cell.strip()]
     known = sum(bool(units_spelt(cell)) and not read_heading(cell).base for cell in filled)
-    known += sum(
-        cell.strip() == "s" for cell in filled
-    )  # the symbol of a displacement, too, but not in a row of units
+    known += sum(cell.strip() == "s" for cell in filled)  # in a row of units it is no displacement
     return known >= 1 and 2 * known >= len(filled)
 
 

@@ -15,9 +15,8 @@ from testbench.recordings.checks import such, within
 
 REVERSIBLE = frozenset(("resistance", "conductance"))  # negative where the sense leads are the other way round
 FAR = 10  # steps that the time falls back where another recording begins, and rows that then follow
-MOSTLY = (
-    0.5  # of the rows: where as many are negative, the sign is wrong, and where times repeat, the time is rounded
-)
+# Where more of the rows than this are negative, the sign is wrong; where their times repeat, the time is rounded.
+MOSTLY = 0.5
 
 
 def channels_of(scaled: Mapping[str, np.ndarray], wish: Wish) -> dict[str, np.ndarray]:

@@ -34,7 +34,8 @@ class ForceLaw(AdditiveLaw):
     """Base of the laws of the form ``F += change`` in N."""
 
     stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
+    reads: ClassVar[tuple[str, ...]] = ("strain", "force_N")
+    writes = ("force_N",)
 
     def put(self, signals: Signals, change: FloatArray) -> dict[str, FloatArray]:
         return {"force_N": signals["force_N"] + change}

@@ -9,7 +9,7 @@ import numpy as np
 from gcode.support.errors import UserError
 from testbench.measurements.measurement import Measurement, ended
 from testbench.measurements.preparing import MIN_STRAIN_RANGE, prepare
-from testbench.recordings.recording import Recording
+from testbench.recordings.recording import Recording, recorded_duration_s
 
 MOST_PLAY = 0.1  # of the gauge length: more is another set-up
 MIN_PART = 170  # samples that count in each part
@@ -57,13 +57,12 @@ def split(
 
 def _recorded_until(recording: Recording, share: float) -> float:
     """Time after the start at which this share of what was recorded has passed; gaps do not count."""
-    gaps_s = [(start - recording.time_s[0], end - start) for start, end in recording.gaps]
-    left_s = share * (recording.duration_s - sum(length for _, length in gaps_s))
-    for start_s, length_s in gaps_s:
-        if start_s >= left_s:
+    until_s = share * recorded_duration_s(recording.time_s)
+    for start_s, end_s in recording.gaps:
+        if start_s - recording.time_s[0] >= until_s:
             break
-        left_s += length_s
-    return float(left_s)
+        until_s += end_s - start_s
+    return until_s
 
 
 def check_gauge_length(one: Recording, other: Recording) -> None:

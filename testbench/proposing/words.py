@@ -66,9 +66,8 @@ def _law(proposed: Proposed, step: Step, index: int) -> Iterator[str]:
         f"recordings and is the best in {percent(option.chosen)}"
     )
     for place, other in enumerate(step.alternatives[:SHOWN]):
-        tied = (
-            "cannot be told from it" if abs(other.log_evidence - option.log_evidence) < TIED_NATS else "less likely"
-        )
+        is_tied = abs(other.log_evidence - option.log_evidence) < TIED_NATS
+        tied = "cannot be told from it" if is_tied else "less likely"
         if place == 0:
             yield "    instead of it:"
         yield f"      {other.log_evidence:+8.1f} nats  {tied}: {in_words(other.law)}"

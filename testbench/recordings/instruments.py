@@ -10,12 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
-from pydantic import Field, ValidationError
+from pydantic import Field
 
 from gcode.support.arrays import FloatArray
-from gcode.support.errors import UserError, first_problem
-from gcode.support.kinds import only_by_name
-from gcode.support.strict import StrictModel
+from gcode.support.strict import NamedModel, StrictModel
 
 CLOCK_HZ, CLOCK_SD_HZ = 41.5, 14.2  # mean and standard deviation of 1/dt, measured on the paper's bench
 
@@ -143,7 +141,7 @@ class Room(StrictModel):
         return np.rint(np.interp(times_s, truth.time_s, truth.temperature_C) / self.step_C) * self.step_C
 
 
-class Instruments(StrictModel):
+class Instruments(NamedModel, StrictModel):
     """All instruments of a simulated rig, with the settings of the paper's bench.
 
     Attributes
@@ -167,14 +165,6 @@ class Instruments(StrictModel):
     divider: Divider = Divider()
     encoder: Encoder = Encoder()
     room: Room | None = None
-
-    def __init__(self, *unnamed: Any, **settings: Any) -> None:
-        """Raise `UserError` where an instrument or a setting is unknown, or a value is not allowed."""
-        only_by_name(type(self), "instruments", unnamed)
-        try:
-            super().__init__(**settings)
-        except ValidationError as error:
-            raise UserError(f"Instruments: {first_problem(error)}") from None
 
 
 def _conversions(end_s: float, rate_hz: float) -> FloatArray:

@@ -46,6 +46,24 @@ def gaps_in(time_s: FloatArray) -> tuple[tuple[float, float], ...]:
     return tuple((float(time_s[row]), float(time_s[row + 1])) for row in rows)
 
 
+def recorded_time_s(time_s: FloatArray) -> FloatArray:
+    """Time in s since the first sample, during which something was recorded: as if the gaps were closed.
+
+    Parameters
+    ----------
+    time_s : ndarray, shape (n,)
+        Increasing.
+    """
+    gaps = np.reshape(gaps_in(time_s), (-1, 2))
+    missing_s = np.concatenate([[0.0], np.cumsum(np.diff(gaps))])
+    return time_s - time_s[0] - missing_s[np.searchsorted(gaps[:, 1], time_s, side="right")]
+
+
+def recorded_duration_s(time_s: FloatArray) -> float:
+    """How long something was recorded, from the first sample to the last."""
+    return float(recorded_time_s(time_s)[-1])
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Recording:
     """Time and named channels of one run.

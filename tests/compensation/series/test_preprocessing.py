@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from compensation.series.preprocessing import recorded_duration_s, recorded_time_s, series_of
+from compensation.series.preprocessing import series_of
 from gcode.support.errors import UserError
+from testbench.recordings.recording import recorded_duration_s, recorded_time_s
 from tests.compensation.conftest import paused
 
 
