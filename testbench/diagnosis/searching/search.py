@@ -10,11 +10,12 @@ from functools import cached_property
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from testbench.diagnosis.judging.comparison import explained
 from testbench.diagnosis.judging.discrepancy_map import log_z_with_map
 from testbench.diagnosis.judging.entries import Entry, Proposal
 from testbench.diagnosis.judging.order import best_first, evidence_of, first_of_each
 from testbench.diagnosis.judging.put_in import best_set, probability_of, whole_of
-from testbench.diagnosis.judging.rounds import Round, explained
+from testbench.diagnosis.judging.rounds import Round
 from testbench.diagnosis.searching.fits import Fits, Progress, law_names, newest
 from testbench.diagnosis.searching.proposals import Law, Screen, laws_of
 from testbench.diagnosis.searching.refits import NullModel, Refits, promising
@@ -170,7 +171,7 @@ class Search(Fits):
             likelihood = replace(likelihood, explained=explained(current, entries[0].hypothesis))
         bare = max((self.judged(Entry("", "", "", h, h.log_z), likelihood) for h in before), key=lambda e: e.log_z)
         entries = self.all_judged(entries, likelihood)
-        return Round(bare, tuple(entries), tuple(proposals), counted, likelihood, so_far)
+        return Round(bare, likelihood, tuple(entries), tuple(proposals), counted, so_far)
 
     def proposals(self, h: Hypothesis) -> tuple[Proposal, ...]:
         """What each law of the catalogue promises beside a model, the best first."""

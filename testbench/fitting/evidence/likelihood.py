@@ -75,7 +75,7 @@ class Likelihood:
             found[c] = float(np.linalg.norm((least, error, constants.INEXACT * (whole or {}).get(c, 0.0))))
         return found
 
-    def noise_log_prior(
+    def log_odds_complete(
         self, sigma: Mapping[str, float], explained: Mapping[str, float], whole: Mapping[str, float] | None = None
     ) -> float:
         """Log density of what a model leaves, if nothing else is missing, over the same if anything is.

@@ -33,7 +33,7 @@ def entry(mechanism: str, floors: float, log_z: float) -> Entry:
 
 def a_round(before: Entry, *entries: Entry, so_far: Mapping[str, float] | None = None) -> Round:
     likelihood = Likelihood(SimpleNamespace(), np.arange(10), {}, FLOOR, 1.0)  # type: ignore[arg-type]
-    return Round(before, entries, (), LAWS, likelihood, so_far or {})
+    return Round(before, likelihood, entries, (), LAWS, so_far or {})
 
 
 def if_exact(evidences: Evidences) -> dict[str, float]:
