@@ -63,17 +63,17 @@ class Hypothesis:
 
     @property
     def log_z(self) -> float:
-        return self.evidence.value + self.tails + self.at_bounds - self.unlikely
+        return self.evidence.value + self.tails + self.bounds - self.prior_cost
 
     @cached_property
-    def unlikely(self) -> float:
+    def prior_cost(self) -> float:
         """What the priors say against the point, in nats, beyond the Gaussians in the evidence."""
         held = self.priors.cost(self.vector, self.evidence.scale)
         return float(np.sum(np.where(self.held, held, -self.priors.of_tails(self.vector))))
 
     @cached_property
-    def at_bounds(self) -> float:
-        """What the evidence owes to parameters that the data push against a bound, in nats.
+    def bounds(self) -> float:
+        """What the bounds add to the evidence where the data push a parameter against its own, in nats.
 
         Each may lie anywhere on the near side: the integral over t > 0 of exp(-slope t - precision t^2 / 2).
         """
@@ -83,7 +83,7 @@ class Hypothesis:
         for index in np.flatnonzero(self.at_bound):
             beside = np.array(total[1:, 1 + index])
             beside[index] = 0.0
-            taken = solve_triangular(self.evidence.factor, beside, lower=True)
+            taken = solve_triangular(self.evidence.cholesky, beside, lower=True)
             told = total[1 + index, 1 + index] - taken @ taken  # by the data, whatever the others are
             precision = prior[index] + max(told, 0.0)
             slope = total[1 + index, 0] + prior[index] * (self.priors.mean[index] - self.vector[index])
@@ -92,7 +92,7 @@ class Hypothesis:
         return float(found + np.sum(self.priors.over_gaussians(self.vector)[self.at_bound]))
 
     @property
-    def opened(self) -> Hypothesis:
+    def as_before_data(self) -> Hypothesis:
         """The same with every scale as it is without data."""
         return replace(self, evidence=replace(self.evidence, scale=np.ones_like(self.evidence.scale)))
 
