@@ -23,6 +23,9 @@ from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.measurements.noise_level import trimmed_rms
 
+UNSEEN = 0.1  # of the noise: a shape that changes less,
+UNDETERMINED = 0.5  # and of whose weights the data determine less than so many, is switched off
+
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
@@ -148,8 +151,8 @@ class Hypothesis:
         shrunk = self.priors.scaled(self.evidence.scale)[weights] * np.diag(self.evidence.covariance)[weights]
         held = self.vector[mine]
         changed = {c: held @ rows[np.array(mine) + 1] for c, rows in self.columns.items()}
-        below = all(np.sqrt(np.mean(v**2)) < 0.1 * self.evidence.sigma[c] for c, v in changed.items())
-        return below and float(np.sum(1 - shrunk)) < 0.5
+        below = all(np.sqrt(np.mean(v**2)) < UNSEEN * self.evidence.sigma[c] for c, v in changed.items())
+        return below and float(np.sum(1 - shrunk)) < UNDETERMINED
 
     @property
     def scales(self) -> dict[str, float]:

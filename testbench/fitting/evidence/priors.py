@@ -8,12 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from testbench.fitting.evidence.evidence import scaled
-from testbench.fitting.parameters import FreeParameters, free_parameters, shape_scales, value_of
+from testbench.fitting.parameters import SHARE_OF_RANGE, FreeParameters, free_parameters, shape_scales, value_of
 from testbench.knit.effect import Effect, FloatArray, bounds_of
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
-
-SHARE_OF_RANGE = 0.1  # of the range of a sensor's force: the scale of its forces, if nothing else was declared
 
 
 @dataclass(frozen=True)
