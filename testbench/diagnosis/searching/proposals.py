@@ -19,8 +19,8 @@ from testbench.knit.cache import SimulationCache
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import FloatArray
 
-POINTS = 2  # points of a law's grid whose evidence is computed with all scales free,
-WORTH_IT = 0.5  # nats: if they gain more than that with the scales as they are
+POINTS = 2  # points of a law's grid, the best to first order, that may be looked at with all scales free
+WORTH_IT = 0.5  # nats to first order: what gains less is not looked at again
 OFF_THRESHOLD = 0.3  # of a strength that was tried: how far from there it is, where a trace does not scale with it
 ANY_WEIGHT = 1e-4  # precision, in weights that were tried, where no effect declares a size: the evidence finds it
 
