@@ -152,14 +152,10 @@ class Search(Fits):
             What the laws explain that were put in before; see `Round.explained_before`.
         """
         self.tell("screening the catalogue")
-        likelihood = self.compared
-        current, open_ones = bent[0], [self.about_to_bend(h) for h in stiff]
-        beside = [(h, h) for h in (*bent, *open_ones)] + list(zip(stiff, open_ones, strict=True))
-        proposed = self.pool.map(self.proposals, [h for h, _ in beside])
-        nulls = [NullModel(h, like, found) for (h, like), found in zip(beside, proposed, strict=True)]
-        bending = nulls[: len(bent) + len(open_ones)]
-        likely = promising(bending)[: constants.BENDING]
-        others = [m for m in promising(nulls[len(bending) :]) if m not in likely]
+        likelihood, current = self.compared, bent[0]
+        nulls = self.null_models(bent, stiff)
+        likely = promising(null for null in nulls if null.bends)[: constants.BENDING]
+        others = [m for m in promising(null for null in nulls if not null.bends) if m not in likely]
         likely += others[: constants.STIFF]
         every = sorted((p for null in nulls for p in null.proposals), key=lambda p: -p.gain)
         proposals = first_of_each(every, lambda p: p.law)
@@ -172,6 +168,13 @@ class Search(Fits):
         bare = max((self.judged(Entry.bare(h), likelihood) for h in before), key=lambda e: e.log_z)
         entries = self.all_judged(entries, likelihood)
         return Round(bare, likelihood, tuple(entries), tuple(proposals), counted, so_far)
+
+    def null_models(self, bent: Sequence[Hypothesis], stiff: Sequence[Hypothesis]) -> list[NullModel]:
+        """Models beside which laws are proposed: those that bend, those that are about to, and the stiff ones."""
+        open_ones = [self.about_to_bend(h) for h in stiff]
+        beside = [(h, h) for h in (*bent, *open_ones)] + list(zip(stiff, open_ones, strict=True))
+        proposed = self.pool.map(self.proposals, [h for h, _ in beside])
+        return [NullModel(h, like, found) for (h, like), found in zip(beside, proposed, strict=True)]
 
     def proposals(self, h: Hypothesis) -> tuple[Proposal, ...]:
         """What each law of the catalogue promises beside a model, the best first."""

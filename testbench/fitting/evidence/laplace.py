@@ -80,9 +80,9 @@ class _PosteriorFit(Linearised):
     ----------
     of_base : ndarray of bool, shape (p,)
         Parameters of the base laws, but for their weights.
-    moving : ndarray of int
+    each_step : ndarray of int
         Parameters whose sensitivities are found anew at each step. Those of the weights hardly change.
-    at_rest : ndarray of int
+    when_at_rest : ndarray of int
         Parameters whose sensitivities are found anew where the search comes to rest.
     """
 
@@ -97,13 +97,14 @@ class _PosteriorFit(Linearised):
     ) -> None:
         super().__init__(model, likelihood, priors, like)
         self.of_base = self.single & np.array([p.place[0] in reference for p in self.parameters])
-        self.moving = np.array(self.new, int) if quick else np.flatnonzero(self.single)
-        self.at_rest = self.moving if quick else np.arange(len(self.x))
+        self.each_step = np.array(self.new, int) if quick else np.flatnonzero(self.single)
+        self.when_at_rest = self.each_step if quick else np.arange(len(self.x))
         self.is_fresh = self.is_anew or not quick
         laws = model.effects
         self.jumping = [i for i, p in enumerate(self.parameters) if p.place[1] in type(laws[p.place[0]]).jumps]
 
     def run(self, iterations: int, tell: Callable[[str], None]) -> Hypothesis:
+        """To the most probable point; there the laws stay, and the scales of the shapes come to rest."""
         self.search(iterations, tell)
         if self.leapt():
             self.search(iterations, tell)
@@ -135,11 +136,11 @@ class _PosteriorFit(Linearised):
             if fresh and (gain is None or (rests and rested)):
                 break
             if gain is None:
-                self.at_rest = np.arange(len(self.x))  # what was taken from a neighbour does not hold here
+                self.when_at_rest = np.arange(len(self.x))  # what was taken from a neighbour does not hold here
             rested = fresh = rests
-            self.linearise(self.at_rest if rests else self.moving)
+            self.linearise(self.when_at_rest if rests else self.each_step)
         if not fresh:
-            self.linearise(self.at_rest)
+            self.linearise(self.when_at_rest)
 
     def leapt(self) -> bool:
         """Move parameters at which a law jumps to where the cost is least; whether that helped."""
@@ -150,7 +151,7 @@ class _PosteriorFit(Linearised):
                 self.linearise([])
         if self.x is before:
             return False
-        self.linearise(self.at_rest)
+        self.linearise(self.when_at_rest)
         return True
 
     def widths(self) -> dict[int, float]:
