@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,24 +58,16 @@ class Comparison:
         """Log evidence that an entry adds to the model so far, whatever it leaves."""
         return entry.hypothesis.log_z - self.before.hypothesis.log_z
 
-    def left(self, *put_in: Entry) -> float:
-        """Share of what laws should explain that the last of them leaves, one put in after the other.
+    def left(self, *put_in: Entry, everywhere: bool = False) -> float:
+        """Share of the error above the least misfit that laws leave, one put in after the other.
 
-        They are asked for the channels that they change.
+        Of what it was before, or of what the laws change themselves, where the base has bent to do the same. They are
+        asked for the channels that they change, or for all. An error of the size of the least misfit is none.
         """
-        return self._left_in(self.changed_by(*put_in), put_in)
-
-    def left_everywhere(self, *put_in: Entry) -> float:
-        """The same of all channels."""
-        return self._left_in(self.likelihood.floor, put_in)
-
-    def _left_in(self, channels: Collection[str], put_in: Sequence[Entry]) -> float:
-        """The error above the least misfit (an error of that size is none), as a share of what it was before.
-
-        Or of what the laws change themselves, where the base has bent to do the same.
-        """
+        least = self.likelihood.least_misfit
+        channels = list(least) if everywhere else self.changed_by(*put_in)
         left, before = (excess(e.hypothesis, self.likelihood, channels) for e in (put_in[-1], self.before))
-        by_laws = sum(squared(e.own_part, self.likelihood, channels) for e in put_in)
+        by_laws = sum(sum((e.own_part.get(c, 0.0) / least[c]) ** 2 for c in channels) for e in put_in)
         return float(np.sqrt(max(left - 1.0, 0.0) / max(before, by_laws, 1.0)))
 
 
@@ -83,12 +75,6 @@ def explained(without: Hypothesis, with_it: Hypothesis) -> dict[str, float]:
     """Standard deviation of what an effect explains, per channel."""
     before, after = without.evidence.sigma, with_it.evidence.sigma
     return {c: float(np.sqrt(max(before[c] ** 2 - after[c] ** 2, 0.0))) for c in before}
-
-
-def squared(change: Mapping[str, float], likelihood: Likelihood, channels: Collection[str]) -> float:
-    """What a law changes, squared, in units of the least that one leaves, summed over the channels."""
-    least = likelihood.least_misfit
-    return sum((change.get(c, 0.0) / least[c]) ** 2 for c in channels)
 
 
 def excess(h: Hypothesis, likelihood: Likelihood, channels: Collection[str] | None = None) -> float:

@@ -252,7 +252,7 @@ def test_a_law_that_explains_one_channel_is_named_though_the_other_lacks_much():
     found = a_round(before, after)
     assert found.verdict() == "missing"
     assert found.left(after) < 0.05
-    assert found.left_everywhere(after) == pytest.approx(0.93, abs=0.01)
+    assert found.left(after, everywhere=True) == pytest.approx(0.93, abs=0.01)
 
 
 @pytest.mark.parametrize(
