@@ -58,7 +58,7 @@ class ContactRelaxationSpectrum(ContactRelaxationLaw):
     """The pressing force fades over decades of time.
 
     P(t) = P_0(t) - fraction * integral of phi(t - s) dP_0(s)
-    phi(t) = mean of 1 - exp(-t / tau) over ln(tau) from `shortest_s` to `longest_s`
+    phi(t) = mean of 1 - exp(-t / tau) over ln(tau) from `shortest_s` to `longest_s`, if that is longer
 
     Source: Fung, Biomechanics (1993), section 7.6 (box spectrum).
     Valid: as `contact_relaxation`.
@@ -140,7 +140,7 @@ class ContactRelaxationSpots(SpotsLaw):
     """Contact spots part again after each change: part of what the conductance gained fades over decades of time.
 
     ln G(t) = ln G_0(t) - fraction * integral of phi(t - s) d(ln G_0)(s)
-    phi(t) = mean of 1 - exp(-t / tau) over ln(tau) from `shortest_s` to `longest_s`
+    phi(t) = mean of 1 - exp(-t / tau) over ln(tau) from `shortest_s` to `longest_s`, if that is longer
 
     Source: Fung, Biomechanics (1993), section 7.6 (box spectrum), for the number of spots that conduct.
     Valid: small changes; times longer than those of an overshoot.

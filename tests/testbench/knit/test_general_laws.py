@@ -111,3 +111,27 @@ def test_a_knit_was_at_rest_before_a_recording_that_begins_in_motion(name, dt_s)
         return log_g[np.searchsorted(time_s, rest_s + np.array([2.0, 4.0, 6.0]) - 1e-9)]
 
     assert changes(0.0) == pytest.approx(changes(10.0), rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("name", "quick", "slow", "share"),
+    [
+        ("stress_relaxation_two_times", "fast_s", "slow_s", "share"),
+        ("load_cell_creep_two_times", "fast_s", "slow_s", "share"),
+        ("self_heating_two_masses", "fast_s", "slow_s", "share"),
+        ("stress_relaxation_spectrum", "shortest_s", "longest_s", ""),
+        ("contact_relaxation_spectrum", "shortest_s", "longest_s", ""),
+        ("contact_relaxation_spots", "shortest_s", "longest_s", ""),
+    ],
+)
+def test_two_orders_of_times_are_not_one_law(name, quick, slow, share):
+    """Where the slow time is below the quick one, there is one time: a fit cannot end at the mirror of its answer."""
+
+    def law(quick_s: float, slow_s: float, of_quick: float) -> np.ndarray:
+        return made(name, **{quick: quick_s, slow: slow_s}, **({share: of_quick} if share else {}))
+
+    ordered, swapped = law(30.0, 90.0, 0.3), law(90.0, 30.0, 0.7)
+    plain = SIGNALS[CATALOGUE[name].writes[0]]
+    assert np.max(np.abs(ordered - swapped)) > 0.02 * np.max(np.abs(ordered - plain))
+    np.testing.assert_array_equal(swapped, law(90.0, 90.0, 0.1 if not share else 0.7))
+    np.testing.assert_allclose(swapped, law(90.0, 90.0, 0.2), rtol=1e-12)
