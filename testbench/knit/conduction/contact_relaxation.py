@@ -188,8 +188,9 @@ class ContactRelaxationActivated(SpotsLaw):
 
         conductance = signals["conductance_S"]
         log_g = log_conductance(conductance)
-        tau_s = self.tau_s * np.exp(-self.activation * np.clip(signals["strain"] / self.span, 0.0, 1.0))
-        lost = varying_lowpass(log_g, np.exp(-dt_s / tau_s)) - log_g[0]
+        per_s = np.exp(self.activation * np.clip(signals["strain"] / self.span, 0.0, 1.0)) / self.tau_s
+        mean_per_s = 0.5 * (per_s + np.r_[per_s[0], per_s[:-1]])  # over the step that ends at each sample
+        lost = varying_lowpass(log_g, np.exp(-dt_s * mean_per_s)) - log_g[0]
         return -self.fraction * lost
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
