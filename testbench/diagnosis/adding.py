@@ -58,9 +58,9 @@ def check_shows(effect: Effect, model: KnitModel, calibration: Measurement) -> N
     signals, larger = [SIGNAL_OF[channel] for channel in calibration.channels], model.plus(effect)
     if not any(larger[name] is effect for name in reaching(larger, signals)):
         raise UserError(
-            f"add {effect.name}: it changes {' and '.join(effect.writes)}, on which nothing depends that "
-            f"{calibration.recording.source} has ({', '.join(calibration.channels)}); choose another effect, or a "
-            "recording with that channel and a model fitted on it"
+            f"add {effect.name}: it changes {' and '.join(effect.writes)}, and nothing that "
+            f"{calibration.recording.source} has ({', '.join(calibration.channels)}) depends on that; choose another "
+            "effect, or a recording with that channel and a model fitted on it"
         )
 
 

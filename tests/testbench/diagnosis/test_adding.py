@@ -28,9 +28,7 @@ def test_an_effect_on_what_was_not_measured_is_refused_in_words(effect, channel,
     model = truth()
     for name in [*model] if channel == "force_N" else []:
         model = model if name in FORCE_LAWS else model.without(name)
-    with pytest.raises(
-        UserError, match=f"add {effect}: it changes {missing}, on which nothing depends that sample-0"
-    ):
+    with pytest.raises(UserError, match=f"add {effect}: it changes {missing}, and nothing that sample-0 has"):
         add_effect(ModelFile(model, 25.0), effect, measurement, measurement, CATALOGUE)
 
 
