@@ -52,7 +52,7 @@ def look(path: Path, wish: Wish) -> tuple[Sheet, Choice]:
         If the file cannot be read, or a column or unit that `wish` names is not there.
     """
     sheet = open_sheet(path, wish.names(), wish.hints)
-    if shifted := misfit(sheet.head, sheet.layout):
+    if shifted := misfit(sheet.head, sheet.layout, sheet.whole_names):
         raise UserError(
             f"{path}: {shifted}: which name belongs to which column cannot be told; mend the file, or say "
             "--header-row 0 and --units-row 0 and give columns by number"
