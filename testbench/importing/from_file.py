@@ -19,7 +19,7 @@ from testbench.importing.files.opening import open_sheet
 from testbench.importing.gauge import gauge_doubt
 from testbench.importing.imported import Imported
 from testbench.importing.layout import Column, misfit
-from testbench.importing.rows import channels_of, check_change, in_order, repeats_of, usable
+from testbench.importing.rows import channels_of, check_change, in_order, mostly_one_gap, repeats_of, usable
 from testbench.importing.sheet import Sheet
 from testbench.importing.signs import doubts, turned, zeroed
 from testbench.importing.tables_above import left_out, passed_over
@@ -179,6 +179,7 @@ def _recorded(
     done = Imported(recording, label, int((~kept).sum()), moved, repeated, float(when_s[0]), dict(read.words))
     strained = gauge_doubt(sheet, choice, read, wish.gauge_length_mm)
     done.doubts = [*_doubts(choice, recording, wish), *([strained] if strained else [])]
+    done.doubts += mostly_one_gap(when_s, numbers_of[index])
     done.notes = [*choice.notes, *told, *_remarks(choice, recording, wish)]
     done.details = _details(sheet, choice, wish, done)
     return done

@@ -170,6 +170,25 @@ def _restart(time_s: np.ndarray) -> int:
     return 0
 
 
+def mostly_one_gap(time_s: np.ndarray, rows: np.ndarray) -> list[str]:
+    """A sentence where more than half of the time lies between two samples, as before a row of results.
+
+    Parameters
+    ----------
+    time_s, rows : ndarray, each shape (n,)
+        Increasing times, and the row of the file that each is from.
+    """
+    steps = np.diff(time_s)
+    at = int(steps.argmax())
+    if len(steps) < 2 or 2 * steps[at] <= time_s[-1] - time_s[0]:
+        return []
+    return [
+        f"between row {rows[at]} and row {rows[at + 1]} there is no sample for {steps[at]:.4g} s of the "
+        f"{time_s[-1] - time_s[0]:.4g} s: if a row of results or of another test is among the samples, take it out "
+        "of the file"
+    ]
+
+
 def repeats_of(counter: np.ndarray, time_s: np.ndarray) -> list[tuple[str, np.ndarray]]:
     """Repeats that a column numbers, where the time starts again with each; empty where it does not.
 

@@ -312,5 +312,6 @@ def _no_numbers(lines: Sequence[str], wanted: Sequence[str], hints: Hints) -> st
     return (
         f"no rows of numbers in its first {len(lines)} lines, where cells hold nothing but a number each: a row is "
         f"{shortened(filled[len(filled) // 2])!r}; names and units in the cells (t=0.1, 2 mm, JSON) belong into a "
-        "row above them; else see --separator, --encoding and --header-row"
+        "row above them; a table that begins further below is found where lines above it are taken out; else see "
+        "--separator, --encoding and --header-row"
     )

@@ -142,3 +142,11 @@ def test_days_since_an_epoch_are_a_time(tmp_path):
     path = _lines(tmp_path / "sheet.csv", "Date/Time,Extension [mm],Load [N]", *rows)
     found = import_csv(path, Wish(40.0, units={"time": "d"})).recording
     assert found.time_s == pytest.approx(TIME_S, abs=1e-4)
+
+
+def test_a_row_of_results_among_the_samples_is_said(tmp_path):
+    path = _lines(tmp_path / "lab.csv", HEADER, *ROWS, "", "40,3.2,4.1")
+    (doubt,) = import_csv(path, Wish(40.0)).doubts
+    assert doubt.startswith("between row 41 and row 43 there is no sample for 36.1 s of the 40 s")
+    path = _lines(tmp_path / "lab.csv", HEADER, *ROWS)
+    assert import_csv(path, Wish(40.0)).doubts == []
