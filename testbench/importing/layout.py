@@ -177,7 +177,17 @@ def _longest_run(rows: Rows) -> int | None:
             begin, length = place, int(is_data(cells))
         if length > best_length:
             best, best_length = begin, length
-    return best
+    above = best or 0
+    while above and _has_more_beside(rows[above - 1], rows[best or 0]):
+        above -= 1
+    return best and above
+
+
+def _has_more_beside(cells: Sequence[str], first: Sequence[str]) -> bool:
+    """Whether a row is one of the table that begins below it, with something beside the table (``max``, ``6.8``)."""
+    mine, width = cells[: width_of(first)], width_of(first)
+    alike = words_in(mine) == words_in(first[:width]) and count_numbers(mine) == count_numbers(first)
+    return width_of(cells) > width > 1 and alike
 
 
 def _is_alike(cells: Sequence[str], first: Sequence[str]) -> bool:

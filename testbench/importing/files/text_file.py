@@ -173,10 +173,14 @@ class TextSheet(Sheet):
             short = (frame[self._usual] == 0) & frame[wanted].notna().any(axis=1)
         frame = frame.astype({first: object}) if (shifted | short).any() else frame
         if shifted.any():
-            frame.loc[shifted, first] = frame[shifted].astype(str).agg(self.separator.join, axis=1)
+            frame.loc[shifted, first] = frame[shifted].astype(str).agg(self.separator.join, axis=1) + self._too_many
         if short.any():
             frame.loc[short, first] = frame.loc[short, wanted].astype(str).agg(" ".join, axis=1).map(self._too_few)
         return frame[wanted]
+
+    @property
+    def _too_many(self) -> str:
+        return f" (more than {len(self.layout.columns)} cells)"
 
     def _too_few(self, row: str) -> str:
         return f"{row.replace(' nan', '')} (fewer than {self._usual} cells)"
