@@ -21,6 +21,7 @@ from testbench.measurements.preparing import MAX_GRID_HZ
 from testbench.measurements.splitting import MIN_PART
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
 from testbench.recordings.checks import known_length
+from testbench.recordings.columns import numbers
 from testbench.recordings.csv_columns import is_remark, listed
 from testbench.recordings.doubts import check_gap, check_grid, say_if_same, say_sign, say_slow
 from testbench.recordings.files import SPELLINGS, read_recording, say_of_temperature, strange_names
@@ -78,7 +79,11 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
         raise UserError(f"read: must be a path, a data frame or a mapping of columns, got {type(source).__name__}")
     _check_names(map(str, source))
     named = {str(name): values for name, values in source.items()}
-    columns = {name: _numbers(name, values) for name, values in named.items() if not _is_remark(name, values)}
+    columns = {
+        name: np.array(numbers("read", name, values))  # a copy: the table stays the user's
+        for name, values in named.items()
+        if not _is_remark(name, values)
+    }
     if TIME not in columns:
         raise UserError(f"read: no column {TIME} (found: {listed(named, columns)}); rename yours")
     if gauge_length_mm is None and DISPLACEMENT in columns:
@@ -117,32 +122,12 @@ def _is_remark(name: str, values: Any) -> bool:
     return column.ndim == 1 and column.dtype.kind in "OUT" and is_remark(name, pd.Series(column.astype(object)))
 
 
-def _numbers(name: str, values: Any) -> FloatArray:
-    """One column of a data frame or a mapping, shape (n,)."""
-    given = np.asarray(values).dtype
-    if given.kind in "mM":
-        raise UserError(
-            f"read: {name} must be numbers, got dates or durations ({given}); give seconds since the first sample"
-        )
-    if given.kind in "bc":
-        raise UserError(f"read: {name} must be real numbers, got {given}; convert it, or leave it out")
-    try:
-        column = np.array(values, dtype=np.float64)
-        if np.ma.isMaskedArray(values):
-            column[np.ma.getmaskarray(values)] = np.nan
-    except (TypeError, ValueError, OverflowError) as error:
-        raise UserError(f"read: {name} must be numbers, {error}; convert it, or leave it out") from error
-    if column.ndim != 1:
-        raise UserError(f"read: {name} must be one number a sample, got shape {column.shape}")
-    return column
-
-
 def _digest(*arrays: FloatArray) -> str:
     """Eight hexadecimal digits that tell recordings in memory apart: a model knows by name what it was fitted on."""
     return f"{reduce(lambda sum_, values: crc32(values.tobytes(), sum_), arrays, 0):08x}"
 
 
-def opened(source: Source, gauge_length_mm: float | None, usual_mm: float | None = None) -> Recording:
+def as_recording(source: Source, gauge_length_mm: float | None, usual_mm: float | None = None) -> Recording:
     """A recording, read where a path was given.
 
     Parameters
@@ -178,14 +163,14 @@ def opened(source: Source, gauge_length_mm: float | None, usual_mm: float | None
 def recording_of(source: Source, gauge_length_mm: float | None = None, usual_mm: float | None = None) -> Recording:
     """A recording with its displacement, which every model needs; doubts about it are said on stderr, once.
 
-    See `opened` for the lengths.
+    See `as_recording` for the lengths.
 
     Raises
     ------
     UserError
-        If it has no displacement, or is nearly nothing but one gap; see also `opened`.
+        If it has no displacement, or is nearly nothing but one gap; see also `as_recording`.
     """
-    recording = opened(source, gauge_length_mm, usual_mm)
+    recording = as_recording(source, gauge_length_mm, usual_mm)
     recording.needs_displacement()
     check_gap(recording)
     say_sign(recording)

@@ -8,7 +8,7 @@ where both are there, ``displacement_mm`` may be.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from itertools import pairwise
 from numbers import Integral, Real
@@ -19,8 +19,10 @@ import numpy as np
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from gcode.support.kinds import number
+from gcode.support.read_only import keep_read_only, read_only_array
 from testbench.recordings.channels import DISPLACEMENT, RESISTANCE, TIME
 from testbench.recordings.checks import check
+from testbench.recordings.columns import numbers
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -66,7 +68,7 @@ def recorded_duration_s(time_s: FloatArray) -> float:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Recording:
-    """Time and named channels of one run.
+    """Time and named channels of one run; none of them is changed in place.
 
     Attributes
     ----------
@@ -97,7 +99,19 @@ class Recording:
     metadata: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        self._keep({TIME: self.time_s, **_mapping(self.source, self.channels)})
         check(self.source, self.time_s, self.channels, self.gauge_length_mm)
+
+    def _keep(self, columns: Mapping[str, Any]) -> None:
+        """Keep the columns as arrays that nobody changes, and nothing else that somebody could."""
+        arrays = {name: read_only_array(numbers(self.source, name, values)) for name, values in columns.items()}
+        object.__setattr__(self, "time_s", arrays.pop(TIME))
+        object.__setattr__(self, "channels", arrays)
+        keep_read_only(self, "channels", "metadata")
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update({each.name: state[each.name] for each in fields(self)})
+        self._keep({TIME: self.time_s, **self.channels})  # a pickle forgets that an array is not to be changed
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -183,12 +197,12 @@ class Recording:
     def strain(self) -> FloatArray:
         """Nominal strain: displacement over gauge length (dimensionless)."""
         self.needs_displacement()
-        return self[DISPLACEMENT] / self.gauge_length_mm
+        return read_only_array(self[DISPLACEMENT] / self.gauge_length_mm)
 
     @cached_property
     def conductance_S(self) -> FloatArray:
         """Conductance G = 1/R in siemens."""
-        return 1.0 / self[RESISTANCE]
+        return read_only_array(1.0 / self[RESISTANCE])
 
     @property
     def duration_s(self) -> float:
@@ -279,3 +293,13 @@ class Recording:
         start_s, end_s = longest
         gap = f"nothing was recorded for {end_s - start_s:.4g} s after {start_s:.4g} s"
         return f"{gap}, and {many}, most of them made up; cut the recording there and use the parts"
+
+
+def _mapping(source: str, channels: object) -> Mapping[str, Any]:
+    """The channels as they were given; a `UserError` where they are no mapping of names."""
+    if not isinstance(channels, Mapping):
+        raise UserError(
+            f"{source}: channels must be a mapping of names to samples, got {type(channels).__name__}; "
+            "testbench.read makes a Recording of a data frame"
+        )
+    return channels

@@ -30,7 +30,7 @@ def serve_rig(
     link: str | Path | None = None,
     speed: float = 1.0,
     faults: float = 0.0,
-    opened: Callable[[str], None] = lambda port: None,
+    announce: Callable[[str], None] = lambda port: None,
 ) -> int:
     """Put the simulated rig behind a pseudo-terminal, and play a program once somebody listens to it.
 
@@ -44,7 +44,7 @@ def serve_rig(
         Times faster than real.
     faults : float
         Share of the lines that are damaged on their way, 0 to 1.
-    opened : callable
+    announce : callable
         Called with the name of the port, which `testbench.record` is to listen to.
 
     Returns
@@ -77,7 +77,7 @@ def serve_rig(
         lines = plan.wire_lines(motion)
     port = PtyPort(link)
     try:
-        opened(port.name)
+        announce(port.name)
         unheard = serve(port, faulty(paced(lines, speed), faults, default_rng(seed)))
         if port.has_reader():
             port.wait_for_reader(wanted=False)

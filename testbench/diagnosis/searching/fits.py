@@ -95,17 +95,17 @@ class Fits:
         return max(found, like, key=evidence_of)
 
     def quickly(
-        self, model: KnitModel, like: Hypothesis, believed: Mapping[str, tuple[float, float]] | None = None
+        self, model: KnitModel, like: Hypothesis, known_priors: Mapping[str, tuple[float, float]] | None = None
     ) -> Hypothesis:
         """A model fitted in a few steps, with the sensitivities of a neighbour; see `fitted`."""
-        return fitted(model, self.compared, self.reference, like, 6, quick=True, believed=believed)
+        return fitted(model, self.compared, self.reference, like, 6, quick=True, known_priors=known_priors)
 
     def at_rest(self, h: Hypothesis) -> Hypothesis:
         """A model fitted in full, refitted until nothing is gained; at first with shapes as free as without data.
 
         Shapes that were fitted beside another law hold what is in the way of this one.
         """
-        best, better = h, max(fitted(h.model, self.compared, self.reference, h.opened), h, key=evidence_of)
+        best, better = h, max(fitted(h.model, self.compared, self.reference, h.with_unit_scales), h, key=evidence_of)
         for _ in range(constants.REFITS):
             if better.log_z < best.log_z + constants.EVIDENCE_ERROR:
                 break

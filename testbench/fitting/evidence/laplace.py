@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 from testbench.fitting import constants
 from testbench.fitting.downhill import UP, downhill, huber, huber_weight, within
 from testbench.fitting.evidence.directions import Directions
-from testbench.fitting.evidence.evidence import NormalEquations, maximised, opened, scaled
+from testbench.fitting.evidence.evidence import NormalEquations, maximised, scaled, switched_on
 from testbench.fitting.evidence.hypothesis import Hypothesis, laws_still, pinned, rms, tail
 from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.fitting.evidence.moved import costs_along, lower_beside, width, with_widths
@@ -39,7 +39,7 @@ def fitted(
     like: Hypothesis | None = None,
     iterations: int = constants.ITERATIONS,
     quick: bool = False,
-    believed: Mapping[str, tuple[float, float]] | None = None,
+    known_priors: Mapping[str, tuple[float, float]] | None = None,
     free: Callable[[str], bool] = lambda address: True,
     progress: Callable[[str], None] | None = None,
 ) -> Hypothesis:
@@ -58,7 +58,7 @@ def fitted(
         At most; 0 keeps the point and finds the scales.
     quick : bool
         Keep the sensitivities of the shapes' weights as they are there: nearly right, and ten times cheaper.
-    believed : mapping of address to (mean, standard deviation), optional
+    known_priors : mapping of address to (mean, standard deviation), optional
         Priors of some parameters, other than those declared.
     free : callable
         Whether to fit the parameter of this address.
@@ -71,7 +71,7 @@ def fitted(
         The model where the search came to rest, with its log evidence.
     """
     with threadpool_limits(1, "blas"):  # matrices are small: threads wait for each other longer than they work
-        problem = _PosteriorFit(model, likelihood, reference, like, quick, believed or {}, free)
+        problem = _PosteriorFit(model, likelihood, reference, like, quick, known_priors or {}, free)
         return problem.run(iterations, progress or (lambda _text: None))
 
 
@@ -85,16 +85,16 @@ class _PosteriorFit:
         reference: KnitModel,
         like: Hypothesis | None,
         quick: bool,
-        believed: Mapping[str, tuple[float, float]],
+        known_priors: Mapping[str, tuple[float, float]],
         free: Callable[[str], bool],
     ) -> None:
         self.likelihood, self.cache = likelihood, SimulationCache()
-        known = {**(like.priors.believed if like else {}), **believed}
+        known = {**(like.priors.by_address if like else {}), **known_priors}
         self.priors = priors_of(model, likelihood.measurement, reference, known, free)
         self.parameters, self.base = self.priors.parameters, frozenset(reference)
         self.model, self.x = model, self.parameters.point_of(model)
         scales = like.scales if like else {}
-        self.scale = opened(np.array([scales.get(name, 1.0) for name in self.priors.groups]))
+        self.scale = switched_on(np.array([scales.get(name, 1.0) for name in self.priors.groups]))
         self.columns = {c: np.zeros((len(self.x) + 1, len(likelihood.rows))) for c in likelihood.measurement.channels}
         place = {p.address: i + 1 for i, p in enumerate(like.priors.parameters)} if like else {}
         new = []
@@ -140,7 +140,7 @@ class _PosteriorFit:
             evidence = maximised(normal, iterations=3, scale=self.scale)
             if quiet:
                 # What was switched off on the way may be needed where the search has come to.
-                again = maximised(normal, iterations=12, scale=opened(self.scale))
+                again = maximised(normal, iterations=12, scale=switched_on(self.scale))
                 evidence = max(evidence, again, key=lambda one: one.value)
             self.scale = evidence.scale
             # The linear model promises more than the next step keeps: a promise must make no outlier of a sample.
@@ -287,14 +287,14 @@ class _PosteriorFit:
         products = {c: self.products[c].beside(rows, robust[c]) for c, rows in self.rows.items()}
         # A direction belongs to a whole vector: no weight of it can stay alone.
         held = self.held & (self.priors.group < 0)
-        return self.equations(products, *self.directions.priors(*self.believed(held)))
+        return self.equations(products, *self.directions.priors(*self.prior_of_step(held)))
 
     def robust(self, rows: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Square roots of the Huber weights."""
         z = {c: np.abs(values[0]) / self.sigma[c] for c, values in rows.items()}
         return {c: np.sqrt(huber_weight(one)) for c, one in z.items()}
 
-    def believed(self, held: np.ndarray) -> tuple[FloatArray, FloatArray]:
+    def prior_of_step(self, held: np.ndarray) -> tuple[FloatArray, FloatArray]:
         """Mean and precision of the prior of the step from here; parameters that are held make none."""
         mean = np.where(held, 0.0, self.priors.mean - self.x)
         return mean, np.where(held, HELD, self.priors.precision_at(self.x))
@@ -302,14 +302,14 @@ class _PosteriorFit:
     def all_normal(self, robust: Mapping[str, FloatArray]) -> NormalEquations:
         """The normal equations of all parameters, whatever directions the data see."""
         products = {c: gram(rows, robust[c]) for c, rows in self.columns.items()}
-        return self.equations(products, *self.believed(self.held), self.priors.group)
+        return self.equations(products, *self.prior_of_step(self.held), self.priors.group)
 
     def equations(
         self, products: Mapping[str, FloatArray], mean: FloatArray, precision: FloatArray, group: np.ndarray
     ) -> NormalEquations:
         likelihood = self.likelihood
-        counts, typical = (likelihood.count, likelihood.share, likelihood.least), self.priors.typical
-        return NormalEquations(products, *counts, mean, precision, group, typical)
+        counts, typical_groups = (likelihood.count, likelihood.share, likelihood.least), self.priors.typical_groups
+        return NormalEquations(products, *counts, mean, precision, group, typical_groups)
 
     def step(self, normal: NormalEquations, damping: float) -> FloatArray:
         """A step of all parameters, within their bounds."""
