@@ -12,6 +12,7 @@ import numpy as np
 
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
+from gcode.support.kinds import path_of
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
@@ -52,6 +53,7 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
     Parameters
     ----------
     source : path, DataFrame or mapping of str to array, each shape (n,)
+        A table of polars or Arrow is one, too.
         Columns ``time_s``, ``displacement_mm``, ``force_N``, ``resistance_ohm``; force or resistance may be missing.
         Others that have no number from top to bottom, such as remarks, are left out.
     gauge_length_mm : float, optional
@@ -75,10 +77,9 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
     """
     if isinstance(source, str | Path):
         return read_recording(source, gauge_length_mm)
-    if not hasattr(source, "items"):
-        raise UserError(f"read: must be a path, a data frame or a mapping of columns, got {type(source).__name__}")
-    _check_names(map(str, source))
-    named = {str(name): values for name, values in source.items()}
+    table = _columns_in(source)
+    _check_names(str(name) for name, _ in table)
+    named = {str(name): values for name, values in table}
     columns = {
         name: np.array(numbers("read", name, values))  # a copy: the table stays the user's
         for name, values in named.items()
@@ -92,6 +93,22 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
     time_s = columns.pop(TIME)
     source = f"columns-{_digest(time_s, *columns.values())}"
     return Recording(time_s, columns, known_length(gauge_length_mm, source), source)
+
+
+def _columns_in(source: Any) -> list[tuple[Any, Any]]:
+    """Names and values of the columns of a table in memory: pandas, polars, Arrow, or a mapping.
+
+    Raises
+    ------
+    UserError
+        If it is no table.
+    """
+    if hasattr(source, "items"):
+        return list(source.items())
+    names = getattr(source, "column_names", None) or getattr(source, "columns", None)  # of Arrow; of polars
+    if not isinstance(names, list) or not hasattr(source, "__getitem__"):
+        raise UserError(f"read: must be a path, a data frame or a mapping of columns, got {type(source).__name__}")
+    return [(name, source[name]) for name in names]
 
 
 def _check_names(names: Iterable[str]) -> None:
@@ -224,11 +241,24 @@ def catalogue_of(effects: Effects) -> Catalogue:
     if effects is None or isinstance(effects, str | Path):
         return load_catalogue(effects)
     catalogue = load_catalogue()
-    for effect in effects if isinstance(effects, Iterable) else [effects]:
+    given: Any = effects
+    single = isinstance(given, type | Effect) or not isinstance(given, Iterable)  # an Effect iterates over its fields
+    for effect in [given] if single else given:
         if not (isinstance(effect, type) and issubclass(effect, Effect)):
             raise UserError(f"effects: must be a file, or classes of your own effects, got {effect!r}")
         catalogue.add(effect, "effects")
     return catalogue
+
+
+def own_file(effects: str | Path | None) -> Path | None:
+    """The file with the user's own effects, where one is needed: it is copied beside what was made with it.
+
+    Raises
+    ------
+    UserError
+        If it is no path.
+    """
+    return None if effects is None else path_of(effects, "file with your own effects")
 
 
 def model_file_of(model: AnyModel, catalogue: Catalogue) -> ModelFile:

@@ -11,14 +11,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from itertools import pairwise
-from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-from gcode.support.kinds import number
+from gcode.support.kinds import number, whole
 from gcode.support.read_only import keep_read_only, read_only_array
 from testbench.recordings.channels import DISPLACEMENT, RESISTANCE, TIME
 from testbench.recordings.checks import check
@@ -99,7 +98,8 @@ class Recording:
     metadata: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self._keep({TIME: self.time_s, **_mapping(self.source, self.channels)})
+        _check_kinds(self.source, self.channels, self.metadata)
+        self._keep({TIME: self.time_s, **self.channels})
         check(self.source, self.time_s, self.channels, self.gauge_length_mm)
 
     def _keep(self, columns: Mapping[str, Any]) -> None:
@@ -232,8 +232,7 @@ class Recording:
         UserError
             If `every` is no whole number of 1 or more, or too few samples are left.
         """
-        if not isinstance(every, Integral) or every < 1:
-            raise UserError(f"{self.source}: thinned needs a whole number, 1 or more, got {every!r}")
+        every = whole(f"{self.source}: every", every, 1)
         return self if every == 1 else self._rows(slice(None, None, every))
 
     def _rows(self, rows: np.ndarray | slice) -> Recording:
@@ -275,7 +274,7 @@ class Recording:
             If the rate is no number above 0; if most of that grid would be made up: more than a million points in
             gaps. A gap of a day is a gap; see `segments`. So, too, if it would have more than 20 million points.
         """
-        if not isinstance(rate_hz, Real) or not rate_hz > 0:
+        if not number(f"{self.source}: rate_hz", rate_hz) > 0:
             raise UserError(f"{self.source}: the rate must be a number of Hz above 0, got {rate_hz!r}")
         count = int(np.floor(min(self.duration_s * rate_hz, 1e18) * (1 + 1e-12))) + 1
         made_up = rate_hz * self.missing_s
@@ -295,11 +294,19 @@ class Recording:
         return f"{gap}, and {many}, most of them made up; cut the recording there and use the parts"
 
 
-def _mapping(source: str, channels: object) -> Mapping[str, Any]:
-    """The channels as they were given; a `UserError` where they are no mapping of names."""
+def _check_kinds(source: str, channels: object, metadata: object) -> None:
+    """Refuse channels that are no mapping of names to samples, or metadata that is no mapping.
+
+    Raises
+    ------
+    UserError
+    """
     if not isinstance(channels, Mapping):
         raise UserError(
             f"{source}: channels must be a mapping of names to samples, got {type(channels).__name__}; "
             "testbench.read makes a Recording of a data frame"
         )
-    return channels
+    if strange := [name for name in channels if not isinstance(name, str)]:
+        raise UserError(f"{source}: a channel's name must be a text such as force_N, got {strange[0]!r}")
+    if not isinstance(metadata, Mapping):
+        raise UserError(f"{source}: metadata must be a mapping, got {type(metadata).__name__}; leave it out")

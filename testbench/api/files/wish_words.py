@@ -6,11 +6,13 @@ import re
 from functools import partial
 
 from testbench.importing.choice import FLAGS
+from testbench.importing.vocabulary.roles import ROLES
 
 SWITCHES = ("drop_bad", "sort")
 NUMBERS = {"gauge-length-mm": "gauge_length_mm", "rate-hz": "rate_hz", "rest-ohm": "r0_ohm", "repeat": "repeat"}
 HINTS = ("separator", "decimal", "thousands", "encoding", "sheet", "header_row", "units_row")
 _ROLE = {flag.removeprefix("--"): role for role, flag in FLAGS.items()}
+_A_ROLE = rf"({'|'.join(ROLES)})\b"
 _GIVEN = r"(?: ([A-Z]\w*\b|none\b|\d+|[^\w\s](?=[ ;)]|$)))?"  # what stands behind an option as its value
 _UNIT = r"(?: (%|date\b|[A-Za-zµ]{1,4}\b(?=[;,)]|$)))?"
 
@@ -23,9 +25,10 @@ def in_python(text: str) -> str:
     """
     told = re.sub(r"--time-of (\w+)=(\w*)", partial(_by_role, "time_of"), text)
     told = re.sub(r"--time-of\b", "time_of", told)
-    told = re.sub(r"--zero (\w+)=", lambda it: f"zero[{it[1]!r}]", told)
-    told = re.sub(r"--zero (\w+)", lambda it: f"zero={{{it[1]!r}: None}}", told)
-    told = re.sub(r"--negate (\w+)", lambda it: f"negate={{{it[1]!r}}}", told)
+    told = re.sub(rf"--zero {_A_ROLE}=", lambda it: f"zero[{it[1]!r}]", told)
+    told = re.sub(rf"--zero {_A_ROLE}", lambda it: f"zero={{{it[1]!r}: None}}", told)
+    told = re.sub(rf"--negate {_A_ROLE}", lambda it: f"negate={{{it[1]!r}}}", told)
+    told = re.sub(r"--(zero|negate)\b", r"\1", told)
     for name in SWITCHES:
         told = re.sub(rf"--{name.replace('_', '-')}(?![\w-])", f"{name}=True", told)
     for name in HINTS:

@@ -56,6 +56,7 @@ def test_doubts_are_told_in_python_too(tmp_path):
         ("add --zero displacement to", "add zero={'displacement': None} to"),
         ("--zero force= needs a number", "zero['force'] needs a number"),
         ("leave --negate force out", "leave negate={'force'} out"),
+        ("--negate can be said of force", "negate can be said of force"),
         ("--drop-bad leaves such rows out", "drop_bad=True leaves such rows out"),
         ("say --rest-ohm R0 in Ω", "say r0_ohm=... in Ω"),
     ],

@@ -31,6 +31,7 @@ NEEDED = {"force": {RESISTANCE, FORCE}, "displacement": {RESISTANCE, DISPLACEMEN
 AUTO, TUNED = "auto", "tuned"
 # What the slowest filter of a method remembers at most: `compensation score` refuses a recording that ends before.
 REMEMBERS_S, TUNED_REMEMBERS_S = 31.0, 77.0
+AT_FIRST = 4  # campaigns of the same specimen that are chosen by themselves
 NETWORKS = {
     AUTO: "auto: several, weighted by cross-validation",
     "4,2,2": "4, 2, 2 (the paper)",
@@ -133,8 +134,9 @@ class _Judging:
         """Offer those that last as long as the method remembers; what was chosen stays, at first some of the same."""
         least_s = TUNED_REMEMBERS_S if method == TUNED else REMEMBERS_S
         options = [name for name, span_s in self.lasts_s.items() if span_s >= least_s]
-        chosen = self.field.value if self.field.options else self.same[:4]
-        self.field.set_options(options, value=[name for name in chosen if name in options])
+        chosen = self.field.value if self.field.options else self.same
+        kept = [name for name in chosen if name in options]
+        self.field.set_options(options, value=kept if self.field.options else kept[:AT_FIRST])
         self.said.set_text(self._words(len(options), least_s))
 
     def _words(self, offered: int, least_s: float) -> str:

@@ -12,15 +12,10 @@ from nicegui import ui
 from nicegui.testing import User
 
 import tests.testbench.report.samples as samples
-from compensation.memories.ema import PAPER_RATE_HZ, smoothing_factors
-from compensation.training import learners
-from compensation.training.tuning import BANKS
 from gcode.cli import main as gcode
 from gcode.support.errors import UserError
 from testbench.cli import main as run_testbench
-from testbench.studio.lasting import lasts_s
 from testbench.studio.pages import plan
-from testbench.studio.pages.campaign.compensate import REMEMBERS_S, TUNED_REMEMBERS_S
 from testbench.studio.parts import widgets
 from testbench.studio.parts.address import address
 from testbench.studio.parts.picture import Picture, zoomed_span
@@ -132,46 +127,7 @@ async def test_a_compensator_is_judged_on_campaigns_that_have_what_it_needs(
     assert run_testbench(argv) == 0
     await user.open("/compensate?c=sleeve")
     (judged,) = user.find(kind=ui.select, content="Judged on").elements
-    assert judged.options == judged.value == ["cuff"]
-
-
-async def test_a_compensator_is_judged_on_campaigns_that_last_as_long_as_it_remembers(
-    user: User, studio: Studio
-) -> None:
-    """One of 20 s among them, chosen by itself, ended the scoring after minutes of training."""
-    for name, last in (("cuff", 90), ("brief", 20)):
-        folder = studio.workspace.root / name
-        shutil.copytree(studio.workspace.root / "sleeve", folder)
-        rows = (folder / "recording.csv").read_text().splitlines()
-        kept = [row for row in rows[1:] if float(row.split(",")[0]) <= last]
-        (folder / "recording.csv").write_text("\n".join([rows[0], *kept]) + "\n")
-        assert lasts_s(folder / "recording.csv") == pytest.approx(float(kept[-1].split(",")[0]))
-    longest_s = lasts_s(studio.workspace.root / "cuff" / "recording.csv")
-    await user.open("/compensate?c=sleeve")
-    (judged,) = user.find(kind=ui.select, content="Judged on").elements
-    (method,) = user.find(kind=ui.select, content="Method").elements
-    assert judged.options == judged.value == ["cuff"]
-    await user.should_see("1 shorter than the 31 s that such a compensator may remember cannot be judged on.")
-    method.set_value("tuned")
-    assert ("cuff" in judged.options) == (longest_s >= 77)
-    method.set_value("4,2,2")
     assert judged.options == ["cuff"]
-
-
-def test_the_page_knows_how_long_a_compensator_remembers() -> None:
-    banks = [smoothing_factors(), smoothing_factors(learners.FACTOR, learners.COUNT)]
-    slowest_s = [1 / (PAPER_RATE_HZ * bank.min()) for bank in banks]
-    assert max(slowest_s) <= REMEMBERS_S < max(slowest_s) + 1
-    tuned_s = [1 / (PAPER_RATE_HZ * smoothing_factors(*bank).min()) for bank in BANKS]
-    assert max(tuned_s) <= TUNED_REMEMBERS_S < max(tuned_s) + 1
-
-
-@pytest.mark.parametrize("text", ["", "time_s\n", "x,y\n1,2\n", "time_s,a\n1,2", "time_s,a\nq,2\n3,4\n"])
-def test_a_file_without_samples_lasts_no_time(tmp_path: Path, text: str) -> None:
-    (tmp_path / "recording.csv").write_text(text)
-    assert lasts_s(tmp_path / "recording.csv") == lasts_s(tmp_path / "none.csv") == 0
-    (tmp_path / "recording.csv").write_text("a,time_s\n1,2.5\n" + "1,4\n" * 9000 + "1,7.5\n1,")
-    assert lasts_s(tmp_path / "recording.csv") == 5
 
 
 async def test_a_new_effect_starts_from_the_template_and_is_checked(user: User, studio: Studio) -> None:

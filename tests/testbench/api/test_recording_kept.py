@@ -80,6 +80,7 @@ def test_a_recording_is_made_of_any_numbers(kind):
         ({"force_N": [1, 2, 3j]}, "recording: force_N must be real numbers, got complex128"),
         ([[0, 1, 2]], "recording: channels must be a mapping of names to samples, got list"),
         (None, "recording: channels must be a mapping of names to samples, got NoneType"),
+        ({1: [0, 1, 2]}, "recording: a channel's name must be a text such as force_N, got 1"),
     ],
 )
 def test_a_recording_of_something_else_is_refused_in_a_sentence(channels, words):
@@ -87,3 +88,35 @@ def test_a_recording_of_something_else_is_refused_in_a_sentence(channels, words)
         channels = {"displacement_mm": [0, 1, 2], **channels}
     with pytest.raises(tb.UserError, match=words):
         tb.Recording([0, 1, 2], channels, 25)
+
+
+def test_metadata_that_is_none_is_refused_in_a_sentence():
+    with pytest.raises(tb.UserError, match="metadata must be a mapping, got NoneType; leave it out"):
+        tb.Recording([0, 1], {"displacement_mm": [0, 1]}, 25, "mine", None)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("call", [lambda r: r.thinned(True), lambda r: r.resampled(True)])
+def test_a_truth_is_no_rate(call):
+    """``True`` was taken for 1 Hz, and for every sample."""
+    with pytest.raises(tb.UserError, match=r"must be a .*number.*got True"):
+        call(relaxed())
+
+
+def test_a_table_of_arrow_or_polars_is_read_as_one_of_pandas_is():
+    """It was refused: must be a data frame, got DataFrame."""
+    arrow = pytest.importorskip("pyarrow")
+
+    class LikePolars:
+        def __init__(self, columns):
+            self._columns, self.columns = columns, list(columns)
+
+        def __getitem__(self, name):
+            return np.asarray(self._columns[name])
+
+    columns = {"time_s": [0, 1, 2], "displacement_mm": [0, 1, 0], "force_N": [0, 2, 1], "remark": ["a", "b", ""]}
+    plain = tb.read(columns, 25)
+    for table in (arrow.table(columns), LikePolars(columns)):
+        assert tb.read(table, 25).to_dict() == plain.to_dict()
+    for nothing in (np.zeros(3), [1, 2], None, b"a.csv", plain):
+        with pytest.raises(tb.UserError, match="read: must be a path, a data frame or a mapping of columns, got"):
+            tb.read(nothing, 25)
