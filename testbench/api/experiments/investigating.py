@@ -138,6 +138,8 @@ def investigate(
     1
     """
     folder = path_of(folder, "folder")
+    speed = None if speed is None else number("speed", speed)
+    budget_minutes = None if budget_minutes is None else number("budget_minutes", budget_minutes)
     own_file = Path(effects) if isinstance(effects, str | Path) else None
     if resume:
         _check_as_begun(folder, sensor, model, own_file)

@@ -76,3 +76,17 @@ def test_progress_that_is_no_truth_is_refused(progress):
     """It showed the line that was to be left out."""
     with pytest.raises(tb.UserError, match="progress must be True, False or a callable that takes a text, got"):
         tb.fit(tb.example(duration_s=20), progress=progress)
+
+
+@pytest.mark.parametrize("odd", [{"speed": "fast"}, {"budget_minutes": "3"}, {"run_minutes": None}])
+def test_an_investigation_that_is_asked_for_words_leaves_no_folder(odd, tmp_path):
+    """A speed in words ended in a traceback, and the folder was taken; "3" minutes were 3 sixty times over."""
+    (name,) = odd
+    with pytest.raises(tb.UserError, match=f"^{name} must be a number, got"):
+        tb.investigate("pes", tmp_path / "i", progress=False, **odd)
+    assert not (tmp_path / "i").exists()
+
+
+def test_the_name_of_a_law_is_a_text():
+    with pytest.raises(tb.UserError, match="name must be of the class str, got int"):
+        tb.propose(tb.example(duration_s=20), name=3)  # type: ignore[arg-type]
