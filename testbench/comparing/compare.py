@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from testbench.comparing.cell import Cell
-from testbench.comparing.model_errors import channel_name, noise_floors, rms_errors
+from testbench.comparing.model_errors import channel_name, noise_floors, over_noise, rms_errors
 from testbench.comparing.residual_coordinates import COORDINATES, coordinates
 from testbench.comparing.words import NOISE_REACHED, no_place_in_words, place_in_words
 from testbench.knit.effect import FloatArray
@@ -68,7 +68,7 @@ class Comparison:
     @property
     def over_noise(self) -> dict[str, float]:
         """The error of each channel over its noise floor."""
-        return {channel: rms / max(self.noise_floor[channel], 1e-300) for channel, rms in self.rms.items()}
+        return {channel: over_noise(rms, self.noise_floor[channel]) for channel, rms in self.rms.items()}
 
     @property
     def places(self) -> tuple[str, ...]:
