@@ -10,9 +10,9 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from testbench.fitting import constants
-from testbench.fitting.downhill import UP, downhill, huber, huber_weight, within
+from testbench.fitting.downhill import UP, downhill, within
 from testbench.fitting.evidence.directions import Directions
-from testbench.fitting.evidence.evidence import NormalEquations, maximised, opened, scaled
+from testbench.fitting.evidence.evidence import LogEvidence, NormalEquations, maximised, opened, scaled
 from testbench.fitting.evidence.hypothesis import Hypothesis, laws_still, pinned, rms, tail
 from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.fitting.evidence.moved import costs_along, lower_beside, width, with_widths
@@ -115,7 +115,8 @@ class _PosteriorFit:
         laws = model.effects
         self.jumping = [i for i, p in enumerate(self.parameters) if p.place[1] in type(laws[p.place[0]]).jumps]
         self.linearise(range(len(self.x)) if moved else new)
-        self.sigma = {c: max(trimmed_rms(rows[0]), likelihood.least[c]) for c, rows in self.columns.items()}
+        left = {c: max(trimmed_rms(rows[0]), likelihood.least[c]) for c, rows in self.columns.items()}
+        self.sigma = likelihood.sigma(left)
 
     def run(self, iterations: int, tell: Callable[[str], None]) -> Hypothesis:
         self.search(iterations, tell)
@@ -137,14 +138,15 @@ class _PosteriorFit:
         damping, quiet, fresh = 1.0, False, self.exact
         for number in range(1, iterations + 1):
             normal = self.normal()
-            evidence = maximised(normal, iterations=3, scale=self.scale)
+            evidence = self.maximised(normal, 3, self.scale)
             if quiet:
                 # What was switched off on the way may be needed where the search has come to.
-                again = maximised(normal, iterations=12, scale=opened(self.scale))
+                again = self.maximised(normal, 12, opened(self.scale))
                 evidence = max(evidence, again, key=lambda one: one.value)
             self.scale = evidence.scale
             # The linear model promises more than the next step keeps: a promise must make no outlier of a sample.
-            self.sigma = {c: max(sigma, trimmed_rms(self.columns[c][0])) for c, sigma in evidence.sigma.items()}
+            left = {c: max(sigma, trimmed_rms(self.columns[c][0])) for c, sigma in evidence.sigma.items()}
+            self.sigma = self.likelihood.sigma(left)
             gain, damping = self.move(normal, damping)
             tell(f"iteration {number}: log evidence {evidence.value:.1f}")
             if gain is None and fresh:
@@ -182,7 +184,8 @@ class _PosteriorFit:
         """The point as a hypothesis of which these parameters are held, and these of them by their bounds alone."""
         for _ in range(FINAL_WEIGHTS):  # until the weights of outliers and the noise agree
             robust = self.robust(self.columns)
-            before, self.sigma = self.sigma, rms(self.columns, robust, self.likelihood.least)
+            left = rms(self.columns, robust, self.likelihood.least)
+            before, self.sigma = self.sigma, self.likelihood.sigma(left)
             if all(abs(np.log(self.sigma[c] / before[c])) < AGREED for c in before):
                 break
         for rows in self.columns.values():
@@ -196,6 +199,12 @@ class _PosteriorFit:
             self.model, self.priors, normal, held, at_bound, evidence, tails, self.columns, robust, weight
         )
 
+    def maximised(self, normal: NormalEquations, iterations: int, scale: FloatArray) -> LogEvidence:
+        """The scales of shapes and noise by maximum evidence; those of the shapes alone where the noise is known."""
+        likelihood = self.likelihood
+        known = likelihood.floor if likelihood.is_known else None
+        return maximised(normal, known, iterations, scale, sigma_is_known=likelihood.is_known)
+
     def settle(self) -> bool:
         """Find the scales where the parameters of laws stay, and go to the weights that are best there.
 
@@ -205,7 +214,7 @@ class _PosteriorFit:
             Whether that lowered the cost; otherwise all is as it was.
         """
         self.stale = True  # with less noise more is seen
-        evidence = maximised(laws_still(self.normal()), scale=self.scale)
+        evidence = self.maximised(laws_still(self.normal()), 12, self.scale)
         before = self.scale, self.sigma
         self.scale, self.sigma = evidence.scale, dict(evidence.sigma)
         step = np.where(self.held, 0.0, self.directions.full(evidence.coefficients))
@@ -292,7 +301,7 @@ class _PosteriorFit:
     def robust(self, rows: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Square roots of the Huber weights."""
         z = {c: np.abs(values[0]) / self.sigma[c] for c, values in rows.items()}
-        return {c: np.sqrt(huber_weight(one)) for c, one in z.items()}
+        return {c: self.likelihood.robust(one) for c, one in z.items()}
 
     def believed(self, held: np.ndarray) -> tuple[FloatArray, FloatArray]:
         """Mean and precision of the prior of the step from here; parameters that are held make none."""
@@ -336,9 +345,11 @@ class _PosteriorFit:
     def cost(self, residual: Mapping[str, FloatArray], x: FloatArray) -> float:
         total = float(np.sum(self.priors.cost(x, self.scale)))
         for c, values in residual.items():
-            total += float(np.sum(huber(np.abs(values) / self.sigma[c]))) * self.likelihood.share
+            total += float(np.sum(self.likelihood.loss(np.abs(values) / self.sigma[c]))) * self.likelihood.share
         return total if np.isfinite(total) else np.inf
 
     def tails(self, robust: Mapping[str, FloatArray], sigma: Mapping[str, float]) -> float:
+        if self.likelihood.is_known:
+            return 0.0
         share = self.likelihood.share
         return sum(tail(rows[0] / sigma[c], robust[c], share) for c, rows in self.columns.items())

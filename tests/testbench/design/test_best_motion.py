@@ -11,12 +11,14 @@ from hypothesis import strategies as st
 
 from gcode.programs.make import make
 from gcode.support.errors import UserError
+from gcode.trajectories.trajectory import Trajectory
 from testbench.design.ahead import following, planned
 from testbench.design.best_motion import best_motion
 from testbench.design.compositions import drawn, in_words, motion_of, varied
 from testbench.design.forecast import Forecaster, Likely, Reading
 from testbench.design.information import information
 from testbench.design.protocols import NOISE, Bounds, menu
+from testbench.fitting.constants import ALIKE_S
 from testbench.fitting.fit import fit
 from tests.testbench.builders import CATALOGUE, NOISE_LN, NOISE_N, truth
 from tests.testbench.design.monte_carlo import sampled_information
@@ -139,3 +141,16 @@ def test_one_hypothesis_is_no_question(designed):
     measured, likely, _ = designed
     with pytest.raises(UserError, match="two hypotheses or more, got 1"):
         best_motion(likely[:1], measured, READING, BOUNDS)
+
+
+def test_a_short_motion_has_no_more_pieces_than_it_lasts(designed):
+    """37 s count: they are 23 pieces of news, however many a recording may have at most."""
+    measured, likely, _ = designed
+    short = Trajectory(np.arange(801) / 20, 5 * np.abs(np.sin(np.arange(801) / 100)))
+    ahead = following(measured, short, BOUNDS.gauge_length_mm, 10.0)
+    news = measured.dt_s * ahead.counts.sum() / ALIKE_S
+    (few, _), (many, _) = (
+        Forecaster(likely[0], measured, replace(READING, pieces=pieces)).expect(ahead) for pieces in (news, 300.0)
+    )
+    assert many.mean == pytest.approx(few.mean)
+    assert len(many.mean) == 2 * ahead.counts.sum()
