@@ -92,17 +92,18 @@ class Forecaster:
         self._spread = width[:, None] * vector / np.sqrt(1.0 + np.maximum(value, 0.0))
 
     def expect(self, measurement: Measurement) -> tuple[Prediction, tuple[float, float]]:
-        """What is expected of the counting samples, and the least and largest force in N (NaN where there is none).
+        """What is expected of the counting samples, and the motion's least and largest force in N (NaN: none).
 
         Parameters
         ----------
         measurement : Measurement
-            A motion that was not made yet, after all that the specimen went through; only the new samples count.
+            A motion that was not made yet, after all that the specimen went through; only its samples count.
         """
         mean, rows, modelled = self._linearised(measurement, news_of(measurement, self.reading.pieces))
         factor = rows.T @ self._spread
         value, vector = np.linalg.eigh(factor.T @ factor)
-        force_N = modelled.get(FORCE_CHANNEL, np.array([np.nan]))
+        begin = int(np.searchsorted(measurement.signals["time_s"], (0.0, *measurement.begins_s)[-1] - 1e-9))
+        force_N = modelled[FORCE_CHANNEL][begin:] if FORCE_CHANNEL in modelled else np.array([np.nan])
         extremes = float(force_N.min()), float(force_N.max())
         return Prediction(mean, factor @ vector[:, value > NEGLIGIBLE]), extremes
 

@@ -28,7 +28,7 @@ def spread(values: FloatArray) -> float:
     What is rare but there counts (the ramps between long holds), a glitch hardly.
     """
     off = values - np.median(values)
-    limit = OUTLIER * robust_sd(values)
+    limit = OUTLIER * robust_sd(values) or np.inf  # where most values are one, the others are all that spreads
     return float(np.sqrt(np.mean(np.clip(off, -limit, limit) ** 2)))
 
 

@@ -20,6 +20,7 @@ from testbench.design.information import information
 from testbench.design.protocols import NOISE, Bounds, menu
 from testbench.fitting.constants import ALIKE_S
 from testbench.fitting.fit import fit
+from testbench.measurements.measurement import ended
 from tests.testbench.builders import CATALOGUE, NOISE_LN, NOISE_N, truth
 from tests.testbench.design.monte_carlo import sampled_information
 from tests.testbench.design.readings import read
@@ -154,3 +155,22 @@ def test_a_short_motion_has_no_more_pieces_than_it_lasts(designed):
     )
     assert many.mean == pytest.approx(few.mean)
     assert len(many.mean) == 2 * ahead.counts.sum()
+
+
+def test_the_force_of_a_motion_is_not_that_of_what_came_before(designed):
+    """A specimen that was pulled hard may still be pulled gently."""
+    measured, likely, _ = designed
+    gentle = Trajectory(np.arange(801) / 20, 0.5 * np.abs(np.sin(np.arange(801) / 100)))
+    ahead = following(measured, gentle, BOUNDS.gauge_length_mm, 10.0)
+    _, (_, top_N) = Forecaster(likely[0], measured, READING).expect(ahead)
+    assert top_N < 0.3 * float(np.max(measured.measured["force"]))
+
+
+def test_in_a_rest_the_strain_goes_to_where_the_motion_begins(designed):
+    """As in recordings that are joined."""
+    measured, _, found = designed
+    pulled = ended(replace(measured, counts=measured.counts & (measured.signals["strain"] > 0.1)))
+    ahead = following(pulled, found.made.trajectory, BOUNDS.gauge_length_mm, 10.0)
+    rest = (ahead.signals["time_s"] > pulled.signals["time_s"][-1]) & (ahead.signals["time_s"] < ahead.begins_s[-1])
+    assert np.abs(np.diff(ahead.signals["strain"][rest])).max() < 0.3 * ahead.dt_s / 10.0
+    assert len(ahead.quieter) == len(ahead.strain_noise) == len(ahead.counts)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.measurements.noise_level import noise_floor, rounding, within_range
+from testbench.measurements.noise_level import noise_floor, rounding, spread, within_range
 
 TIME_S = np.arange(4000) / 40
 MOTION = 1 + np.sin(2 * np.pi * TIME_S / 7)
@@ -48,3 +48,7 @@ def test_readings_in_steps_of_many_deviations_are_known_by_their_noise_and_their
 
 def test_of_a_reading_that_knows_three_values_the_rounding_is_known() -> None:
     assert noise_floor(np.round(MOTION - 1)) == pytest.approx(12**-0.5)
+
+
+def test_what_is_rare_spreads_a_reading_that_rests_most_of_the_time() -> None:
+    assert spread(np.r_[np.zeros(300), np.linspace(0, 1, 100)]) > 0.1
