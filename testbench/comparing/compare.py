@@ -121,16 +121,17 @@ def compare(model: KnitModel, measurement: Measurement, free_offset: bool = Fals
         counting = values[measurement.counts]
         if free_offset:
             counting = counting - counting.mean()
-        maps[channel] = residual_maps(counting, where, measurement.dt_s)
+        maps[channel] = residual_maps(counting, where)
         if errors[channel] > NOISE_REACHED * floors[channel]:
             places += _places(channel, maps[channel], counting, _size_of(measurement, channel))
     worst = _distinct(sorted(places, key=lambda place: -place.share_of_error))
     return Comparison(errors, floors, maps, tuple(worst))
 
 
-def residual_maps(residual: FloatArray, where: Mapping[str, FloatArray], dt_s: float) -> dict[str, tuple[Cell, ...]]:
+def residual_maps(residual: FloatArray, where: Mapping[str, FloatArray]) -> dict[str, tuple[Cell, ...]]:
     """Mean residual over bins of every coordinate, apart for stretching and releasing where that makes sense."""
-    block = (np.arange(len(residual)) * dt_s // CELL_BLOCK_S).astype(int)
+    elapsed_s = where["elapsed_s"] - where["elapsed_s"][0]
+    block = np.floor(elapsed_s / CELL_BLOCK_S + 1e-9).astype(int)
     direction = where["direction"]
     maps = {}
     for coordinate in COORDINATES:
