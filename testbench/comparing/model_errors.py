@@ -42,9 +42,14 @@ def noise_floors(measurement: Measurement) -> dict[str, float]:
     return {channel: float(noise_floor(sampled(measurement, channel)[1])) for channel in measurement.channels}
 
 
+def over_noise(error: float, floor: float) -> float:
+    """An error in noise floors; many where there is no noise."""
+    return error / max(floor, 1e-300)
+
+
 def over_the_floors(errors: Mapping[str, float], floors: Mapping[str, float]) -> float:
     """Errors over the noise floors, averaged over the channels."""
-    return sum(errors[channel] / max(floors[channel], 1e-300) for channel in errors) / len(errors)
+    return sum(over_noise(errors[channel], floors[channel]) for channel in errors) / len(errors)
 
 
 def channel_name(channel: str) -> str:

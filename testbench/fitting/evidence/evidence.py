@@ -115,6 +115,7 @@ def maximised(
     sigma: Mapping[str, float] | None = None,
     iterations: int = 12,
     scale: FloatArray | None = None,
+    sigma_is_known: bool = False,
 ) -> LogEvidence:
     """Maximise ln Z over the scales of the groups and the noise of the channels.
 
@@ -129,6 +130,8 @@ def maximised(
         At most; one judges with the noise and the scales as they are given.
     scale : ndarray, optional
         Factor on the precision of each group to start from.
+    sigma_is_known : bool
+        Only the scales of the groups are found.
     """
     declared, group, mean = normal.precision, normal.group, normal.mean
     scale = np.ones(int(group.max(initial=-1)) + 1) if scale is None else scale.copy()
@@ -147,7 +150,8 @@ def maximised(
         before, value = value, _log_evidence(squares, sigma, normal.count, x, mean, precision, chol)
         determined = [float(known[where].sum()) for where in members]
         value -= _cost_of_scales(determined, scale, normal.typical_groups)
-        sigma = {c: np.sqrt(one / normal.count) for c, one in squares.items()}
+        if not sigma_is_known:
+            sigma = {c: np.sqrt(one / normal.count) for c, one in squares.items()}
         for g, where in enumerate(members):
             if len(where):
                 more = (1 - scale[g]) / (1 + scale[g]) if g in normal.typical_groups else 0.0

@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from testbench.fitting import constants
 from testbench.fitting.downhill import UP, downhill, within
-from testbench.fitting.evidence.evidence import NormalEquations, maximised, scaled, switched_on
+from testbench.fitting.evidence.evidence import LogEvidence, NormalEquations, maximised, scaled, switched_on
 from testbench.fitting.evidence.hypothesis import Hypothesis, laws_still, pinned, rms, tail
 from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.fitting.evidence.linearised import Linearised
@@ -122,14 +122,15 @@ class _PosteriorFit(Linearised):
         damping, rested, fresh = 1.0, False, self.is_fresh
         for number in range(1, iterations + 1):
             normal = self.normal()
-            evidence = maximised(normal, iterations=3, scale=self.scale)
+            evidence = self.maximised(normal, 3, self.scale)
             if rested:
                 # What was switched off on the way may be needed where the search has come to.
-                again = maximised(normal, iterations=12, scale=switched_on(self.scale))
+                again = self.maximised(normal, 12, switched_on(self.scale))
                 evidence = max(evidence, again, key=lambda one: one.value)
             self.scale = evidence.scale
             # The linear model promises more than the next step keeps: a promise must make no outlier of a sample.
-            self.sigma = {c: max(sigma, trimmed_rms(self.columns[c][0])) for c, sigma in evidence.sigma.items()}
+            left = {c: max(sigma, trimmed_rms(self.columns[c][0])) for c, sigma in evidence.sigma.items()}
+            self.sigma = self.likelihood.sigma(left)
             gain, damping = self.move(normal, damping)
             tell(f"iteration {number}: log evidence {evidence.value:.1f}")
             rests = gain is None or gain < AT_REST
@@ -159,6 +160,12 @@ class _PosteriorFit(Linearised):
         here = self.cost_here()
         return {index: width(costs_along(self.cost_at, self.x, index), here) for index in self.jumping}
 
+    def maximised(self, normal: NormalEquations, iterations: int, scale: FloatArray) -> LogEvidence:
+        """The scales of shapes and noise by maximum evidence; those of the shapes alone where the noise is known."""
+        likelihood = self.likelihood
+        known = likelihood.floor if likelihood.is_known else None
+        return maximised(normal, known, iterations, scale, sigma_is_known=likelihood.is_known)
+
     def settle(self) -> bool:
         """Find the scales where the parameters of laws stay, and go to the weights that are best there.
 
@@ -168,7 +175,7 @@ class _PosteriorFit(Linearised):
             Whether that lowered the cost; otherwise all is as it was.
         """
         self.stale = True  # with less noise more is seen
-        evidence = maximised(laws_still(self.normal()), scale=self.scale)
+        evidence = self.maximised(laws_still(self.normal()), 12, self.scale)
         before = self.scale, self.sigma
         self.scale, self.sigma = evidence.scale, dict(evidence.sigma)
         step = np.where(self.held, 0.0, self.directions.full(evidence.coefficients))
@@ -226,14 +233,14 @@ class _PosteriorFit(Linearised):
         """The point as a hypothesis: parameters of the base laws are held, and what is at its bound."""
         for _ in range(ENDINGS):  # until the weights of outliers and the noise agree
             robust = self.robust(self.columns)
-            before, self.sigma = self.sigma, rms(self.columns, robust, self.likelihood.least)
+            left = rms(self.columns, robust, self.likelihood.least)
+            before, self.sigma = self.sigma, self.likelihood.sigma(left)
             if all(abs(np.log(self.sigma[c] / before[c])) < AGREED for c in before):
                 break
         for rows in self.columns.values():
             rows[[index + 1 for index in self.jumping]] = 0.0  # a derivative says nothing there
         normal, held = with_widths(self.all_normal(robust), self.widths(), self.sigma), self.held | self.of_base
         there = maximised(laws_still(pinned(normal, held)), self.sigma, scale=self.scale, iterations=1)
-        share = self.likelihood.share
         return Hypothesis(
             model=self.model,
             priors=self.priors,
@@ -241,8 +248,15 @@ class _PosteriorFit(Linearised):
             held=held,
             at_bound=self.held & self.single & ~self.of_base,
             evidence=replace(there, sigma=self.sigma, scale=self.scale),
-            tails=sum(tail(rows[0] / self.sigma[c], robust[c], share) for c, rows in self.columns.items()),
+            tails=self.tails(robust),
             columns=self.columns,
             robust=robust,
             weight=self.likelihood.weight,
         )
+
+    def tails(self, robust: Mapping[str, FloatArray]) -> float:
+        """What the tails of the noise say more of outliers than its squares, in nats."""
+        if self.likelihood.is_known:
+            return 0.0
+        share = self.likelihood.share
+        return sum(tail(rows[0] / self.sigma[c], robust[c], share) for c, rows in self.columns.items())

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from testbench.fitting.downhill import huber, huber_weight
 from testbench.fitting.evidence.directions import Directions
 from testbench.fitting.evidence.evidence import NormalEquations, switched_on
 from testbench.fitting.evidence.hypothesis import Hypothesis
@@ -61,7 +60,8 @@ class Linearised:
         self.stale = True  # whether the directions must be found anew
         self.is_anew = like is None or any("strain" in model[name].writes for name in model if name not in like.model)
         self.linearise(range(len(self.x)) if self.is_anew else self.new)
-        self.sigma = {c: max(trimmed_rms(rows[0]), likelihood.least[c]) for c, rows in self.columns.items()}
+        left = {c: max(trimmed_rms(rows[0]), likelihood.least[c]) for c, rows in self.columns.items()}
+        self.sigma = likelihood.sigma(left)
 
     def taken_over(self, like: Hypothesis) -> list[int]:
         """Take the sensitivities of weights from a neighbour; which parameters it has none of."""
@@ -90,7 +90,7 @@ class Linearised:
     def _cost(self, residual: Mapping[str, FloatArray], x: FloatArray) -> float:
         total = float(np.sum(self.priors.cost(x, self.scale)))
         for c, values in residual.items():
-            total += float(np.sum(huber(np.abs(values) / self.sigma[c]))) * self.likelihood.share
+            total += float(np.sum(self.likelihood.loss(np.abs(values) / self.sigma[c]))) * self.likelihood.share
         return total if np.isfinite(total) else np.inf
 
     def residual(self, model: KnitModel) -> dict[str, FloatArray]:
@@ -137,7 +137,7 @@ class Linearised:
     def robust(self, rows: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Square roots of the Huber weights."""
         z = {c: np.abs(values[0]) / self.sigma[c] for c, values in rows.items()}
-        return {c: np.sqrt(huber_weight(one)) for c, one in z.items()}
+        return {c: self.likelihood.robust(one) for c, one in z.items()}
 
     def _prior_of_step(self, held: np.ndarray) -> tuple[FloatArray, FloatArray]:
         """Mean and precision of the prior of the step from here; parameters that are held make none."""

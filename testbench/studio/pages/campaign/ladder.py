@@ -68,6 +68,7 @@ class _Ladder:
 
     def __init__(self, studio: Studio, c: str, where: Address) -> None:
         from testbench.comparing.judged import held_samples
+        from testbench.comparing.model_errors import over_noise
         from testbench.report.overlays import steps_in_resistance, steps_of, zero_in_words
         from testbench.results.model_file import load_model_file
 
@@ -80,7 +81,7 @@ class _Ladder:
         self.steps, self.zero = steps_of(self.file.history), zero_in_words(self.file)
         # How far above the noise is told of what was fitted, which is ln G where the resistance is shown.
         self.over_noise = [
-            {channel: error / max(step.noise_floor[channel], 1e-300) for channel, error in step.errors.items()}
+            {channel: over_noise(error, step.noise_floor[channel]) for channel, error in step.errors.items()}
             for step in self.steps
         ]
         if self.kohm:
