@@ -37,9 +37,9 @@ def test_the_usual_noise_depends_on_no_order():
 
 def test_the_burn_in_of_a_later_recording_counts_nowhere():
     """A model need not be right there: it does not know what was before."""
-    late = replace(OFTEN, channels=dict(OFTEN.channels))
     alone = prepare(OFTEN)
-    late.channels["force_N"] = OFTEN["force_N"] + 50.0 * (OFTEN.time_s < 0.9 * alone.grid_s[alone.counts][0])
+    wrong_N = OFTEN["force_N"] + 50.0 * (OFTEN.time_s < 0.9 * alone.grid_s[alone.counts][0])
+    late = replace(OFTEN, channels={**OFTEN.channels, "force_N": wrong_N})
     both = joined([RARE, late], [10.0])
     _, values = sampled(both, "force")
     expected = len(sampled(prepare(RARE), "force")[0]) + len(sampled(alone, "force")[0])
