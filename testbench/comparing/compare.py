@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from testbench.comparing.cell import Cell
-from testbench.comparing.model_errors import channel_name, noise_floors, over_noise, rms_errors
+from testbench.comparing.model_errors import channel_name, noise_floors, rms_errors
+from testbench.comparing.numbers import over_noise
 from testbench.comparing.residual_coordinates import COORDINATES, coordinates
 from testbench.comparing.words import NOISE_REACHED, no_place_in_words, place_in_words
 from testbench.knit.effect import FloatArray

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from testbench.comparing.numbers import over_noise
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement, sampled
 from testbench.measurements.noise_level import noise_floor
@@ -40,11 +41,6 @@ def log_error(model: KnitModel, measurement: Measurement, free_offset: bool = Fa
 def noise_floors(measurement: Measurement) -> dict[str, float]:
     """Estimated standard deviation of the sample noise, per channel: force in N, conductance in ln S."""
     return {channel: float(noise_floor(sampled(measurement, channel)[1])) for channel in measurement.channels}
-
-
-def over_noise(error: float, floor: float) -> float:
-    """An error in noise floors; many where there is no noise."""
-    return error / max(floor, 1e-300)
 
 
 def over_the_floors(errors: Mapping[str, float], floors: Mapping[str, float]) -> float:

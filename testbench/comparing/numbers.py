@@ -83,3 +83,8 @@ def _bare(value: float) -> str:
     """As it was declared, without trailing zeros."""
     text = plain(value, 3)
     return text.rstrip("0").rstrip(".") if "." in text and "·" not in text else text
+
+
+def over_noise(error: float, floor: float) -> float:
+    """An error in noise floors; many where there is no noise."""
+    return error / max(floor, 1e-300)

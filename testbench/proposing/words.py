@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from testbench.comparing.model_errors import channel_name, over_noise
+from testbench.comparing.model_errors import channel_name
+from testbench.comparing.numbers import over_noise
 from testbench.comparing.tables import ladder_table
 from testbench.comparing.words import percent
 from testbench.knit.effect import bounds_of

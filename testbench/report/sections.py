@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from testbench.comparing.model_errors import over_noise
-from testbench.comparing.numbers import plain
+from testbench.comparing.numbers import over_noise, plain
 from testbench.knit.model import KnitModel
 from testbench.recordings.manifest import CSV
 from testbench.recordings.recording import Recording

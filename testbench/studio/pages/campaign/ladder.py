@@ -68,7 +68,7 @@ class _Ladder:
 
     def __init__(self, studio: Studio, c: str, where: Address) -> None:
         from testbench.comparing.judged import held_samples
-        from testbench.comparing.model_errors import over_noise
+        from testbench.comparing.numbers import over_noise
         from testbench.report.overlays import steps_in_resistance, steps_of, zero_in_words
         from testbench.results.model_file import load_model_file
 
