@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
-from testbench.diagnosis.judging.comparison import excess as excess  # `proposing` asks for it here
 from testbench.diagnosis.judging.entries import Entry, Whole
 from testbench.diagnosis.judging.order import best_first, first_of_each
 from testbench.diagnosis.judging.probabilities import NOTHING, UNKNOWN
