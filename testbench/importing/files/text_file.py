@@ -18,11 +18,11 @@ import numpy as np
 from gcode.support.errors import UserError
 from gcode.support.strict import check_plain
 from testbench.importing.files.encodings import encoding_of, is_text, known_encoding
-from testbench.importing.files.quoted import hidden_rows
-from testbench.importing.layout import Layout, find_layout, is_data, shortened
+from testbench.importing.layout import Layout, count_numbers, find_layout, is_data, shortened
 from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
 from testbench.importing.vocabulary.notation import decimal_sign, is_number, is_when
 from testbench.recordings.csv_columns import MOST_BYTES, MOST_COLUMNS, in_words
+from testbench.recordings.quoted import check_quotes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -135,8 +135,9 @@ class TextSheet(Sheet):
                 index_col=False,
                 low_memory=False,
             )
-        if headed.breaks > len(frame):
-            self._check_quotes()
+        if headed.breaks > len(frame):  # some cell goes over several lines
+            with self._opened() as stream:
+                check_quotes(self.path, stream, self.separator, self.layout.first_row, _has_numbers)
         return frame.set_axis(numbers, axis=1)
 
     def _opened(self) -> io.TextIOWrapper:
@@ -145,17 +146,6 @@ class TextSheet(Sheet):
         for _ in range(self.layout.first_row - 1):  # pandas would count a cell with line breaks as one line
             stream.readline()
         return stream
-
-    def _check_quotes(self) -> None:
-        """Some cell goes over several lines; refuse one that hides rows of numbers."""
-        with self._opened() as stream:
-            hidden = hidden_rows(stream, self.separator)
-        if hidden:
-            begin, end = (place + self.layout.first_row for place in hidden)
-            raise UserError(
-                f"{self.path}: a quotation mark in row {begin} is closed only in row {end}, so the rows between are "
-                "one cell and no rows of numbers; take out the marks that quote nothing (inches, noise)"
-            )
 
     def _marked(self, frame: pd.DataFrame, wanted: list[int]) -> pd.DataFrame:
         """The `wanted` columns, in which a row whose cells may stand in columns that are not theirs is no number.
@@ -275,6 +265,10 @@ def _cells(lines: Sequence[str], separator: str) -> tuple[list[str], int]:
             cells = [cell.replace("\n", " ").rstrip() for cell in next(reader, [])]
             return cells[:MOST_COLUMNS], max(1, reader.line_num)
     return [], 1
+
+
+def _has_numbers(cells: Sequence[str]) -> bool:
+    return is_data(cells) and count_numbers(cells) > 1
 
 
 def _worth(rows: Sequence[Sequence[str]], layout: Layout, wanted: Sequence[str]) -> tuple[float, ...]:
