@@ -18,12 +18,12 @@ from testbench.importing.vocabulary.headings import read_heading
 from testbench.importing.vocabulary.laboratory_units import OURS, Unit, conversion
 from testbench.importing.vocabulary.notation import (
     is_number,
-    is_unclear_day,
     is_when,
     may_be_thousands,
     numbers,
     seconds,
     seconds_of_days,
+    why_unclear,
 )
 
 if TYPE_CHECKING:
@@ -195,8 +195,8 @@ def _note(read: Read, column: Column, cells, wrong: int | None, kind: str, decim
         return
     name, cell = column.heading.text or column.label, str(cells.iloc[wrong])
     remedy = "--drop-bad leaves such rows out"
-    if not decimal and is_unclear_day(cell):
-        remedy = "which of its numbers is the day and which the month cannot be told; write dates as 2026-03-01"
+    if not decimal:
+        remedy = why_unclear(cell) or remedy
     if decimal and may_be_thousands(cell, decimal):
         mark = "," if decimal == "." else "."
         remedy = f"if {mark!r} parts thousands, say --thousands {mark}; if it is the decimal sign, --decimal {mark}"
