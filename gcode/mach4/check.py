@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from gcode.support.errors import UserError
 from gcode.support.html import card
 from gcode.support.kinds import number
 from gcode.trajectories.bounds import Limits, excesses
+from gcode.trajectories.trajectory import Trajectory, sampled
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -31,10 +32,21 @@ ACCELERATION_FACTOR = 5.0  # a controller faster than the limit shows whether th
 
 @dataclass(frozen=True, repr=False)
 class CheckResult:
-    """What was found: problems (none: the program may run) and the statistics of the executed motion."""
+    """What was found.
+
+    Attributes
+    ----------
+    problems : tuple of Problem
+        None: the program may run.
+    statistics : MotionStatistics or None
+        Of the motion as executed; None where it was not executed.
+    executed : Trajectory or None
+        That motion, sampled at the rate of the check.
+    """
 
     problems: tuple[Problem, ...]
     statistics: MotionStatistics | None
+    executed: Trajectory | None = field(default=None, compare=False)
 
     @property
     def ok(self) -> bool:
@@ -111,15 +123,16 @@ def check_program(
         *_feeds(program, limits, rapid_mm_per_s),
         *_dwells(program, longest_dwell_s),
     ]
-    statistics = None
+    executed = None
     if unplayed := _unplayed(program, rate_hz):
         problems.append(Problem(1, unplayed))
     else:
         motion = execute(program, _machine(machine, limits, rapid_mm_per_s))
-        found, statistics = _executed(program, motion, rate_hz, limits)
+        found, executed = _executed(program, motion, rate_hz, limits)
         hint = "" if machine else _other_controller(program, limits)
         problems += [Problem(one.line, one.reason + hint) for one in found]
-    return CheckResult(tuple(sorted(problems, key=lambda problem: problem.line)), statistics)
+    statistics = motion_statistics(executed.position_mm, rate_hz) if executed else None
+    return CheckResult(tuple(sorted(problems, key=lambda problem: problem.line)), statistics, executed)
 
 
 def _modes(program: Program) -> list[Problem]:
@@ -214,8 +227,8 @@ def _dwells(program: Program, longest_s: float) -> list[Problem]:
 
 def _executed(
     program: Program, motion: Motion, rate_hz: float, limits: Limits
-) -> tuple[list[Problem], MotionStatistics | None]:
-    """What the executed motion passes, and its statistics; positions are left to the programmed check."""
+) -> tuple[list[Problem], Trajectory | None]:
+    """What the executed motion passes, and the motion; positions are left to the programmed check."""
     # A controller of next to no acceleration takes as long as it likes, whatever the feeds are.
     if not motion.end_s * rate_hz <= MOST_SAMPLES:
         took = f"not executed, since this controller would take {_long(motion.end_s)}: more than can be looked at"
@@ -229,7 +242,7 @@ def _executed(
         problems.append(Problem(line, f"executed {excess.at(rate_hz)}"))
     if not problems:
         problems = _between_samples(program, motion, rate_hz, limits)
-    return problems, motion_statistics(position_mm, rate_hz)
+    return problems, sampled(position_mm, rate_hz)
 
 
 def _between_samples(program: Program, motion: Motion, rate_hz: float, limits: Limits) -> list[Problem]:

@@ -7,6 +7,7 @@ text values are lower case in the data and survive the change of case.
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from typing import Any
 
 from gcode.support.errors import UserError
@@ -40,7 +41,7 @@ def flatten(data: Any, prefix: str = "") -> dict[str, str]:
     return flat
 
 
-def unflatten(flat: dict[str, str], prefix: str) -> Any:
+def unflatten(flat: Mapping[str, str], prefix: str) -> Any:
     """The nested value under `prefix`, the inverse of `flatten`."""
     tree: dict[str, Any] = {}
     for key, text in flat.items():

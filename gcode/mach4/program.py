@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from gcode.motion.blocks import Blocks
 from gcode.support.errors import UserError
+from gcode.support.read_only import keep_read_only
 from gcode.trajectories.trajectory import Trajectory, sampled
 
 MOST_HZ, MOST_STEPS = 10_000.0, 100_000_000  # of a plan; a week at 100 Hz has 60 million
@@ -44,9 +46,9 @@ class Program:
         Whether the axis stops at the block's end (G61).
     start_mm : float
         Position before the first block.
-    header : dict
+    header : mapping
         ``KEY: value`` of the header comments of our own files, keys in lower case.
-    problems : list of Problem
+    problems : tuple of Problem
         What the reader refused.
     unsaid : tuple of str
         Modes that the file leaves to whatever the controller was set to before, as ``G20 or G21``.
@@ -59,9 +61,12 @@ class Program:
     steps: np.ndarray
     exact_stop: np.ndarray
     start_mm: float = 0.0
-    header: dict[str, str] = field(default_factory=dict)
-    problems: list[Problem] = field(default_factory=list)
+    header: Mapping[str, str] = field(default_factory=dict)
+    problems: tuple[Problem, ...] = ()
     unsaid: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        keep_read_only(self, "header")
 
     def __repr__(self) -> str:
         places = np.append(self.position_mm, self.start_mm)

@@ -100,7 +100,7 @@ def _program(state: State) -> Program:
         steps=np.array(rows.steps),
         exact_stop=np.array(rows.stop, dtype=bool),
         header=state.header,
-        problems=state.problems,
+        problems=tuple(state.problems),
         unsaid=state.unsaid or (),
     )
 

@@ -104,6 +104,8 @@ def read(path: str | Path) -> Program:
     ...     gcode.read(f"{folder}/program.tap").header["seed"]
     '3'
     """
+    if isinstance(path, str) and "\n" in path:
+        raise UserError("read: takes the path of a program, got its text; check and play take the text itself")
     return load_program(path)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 
 from gcode.mach4.check import CheckResult, check_program
 from gcode.mach4.controller import Machine
@@ -28,13 +28,13 @@ class Provenance:
         For the person who checks.
     genuine : bool
         Whether the recipe in its header gives this very program.
-    problems : list of Problem
+    problems : tuple of Problem
         What speaks against running it.
     """
 
     words: str
     genuine: bool = False
-    problems: list[Problem] = field(default_factory=list)
+    problems: tuple[Problem, ...] = ()
 
 
 def check_file(
@@ -63,7 +63,7 @@ def check_file(
         program, limits, rate_hz, machine, rapid_mm_per_s=rapid_mm_per_s, longest_dwell_s=longest_dwell_s
     )
     problems = sorted([*result.problems, *origin.problems], key=lambda problem: problem.line)
-    return CheckResult(tuple(problems), result.statistics), origin
+    return replace(result, problems=tuple(problems)), origin
 
 
 def provenance(text: str, program: Program) -> Provenance:
@@ -76,7 +76,7 @@ def provenance(text: str, program: Program) -> Provenance:
         broken = seal_problem(text) if "sha256" in keys else ""
         return _refused(1, f"{broken}; {REMEDY}") if broken else Provenance(FOREIGN)
     if program.problems:
-        return Provenance("its recipe was not tried", problems=[])
+        return Provenance("its recipe was not tried")
     broken = seal_problem(text)
     try:
         _check_length(program)
@@ -107,7 +107,7 @@ def _different(lines: list[str], wanted: list[str], broken: str, version: str) -
 
 
 def _refused(line: int, reason: str) -> Provenance:
-    return Provenance("not the program that its header promises", problems=[Problem(line, reason)])
+    return Provenance("not the program that its header promises", problems=(Problem(line, reason),))
 
 
 def _unsealed(lines: list[str]) -> list[str]:

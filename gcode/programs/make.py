@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from gcode.mach4.check import check_program
-from gcode.mach4.controller import Machine, play
+from gcode.mach4.controller import Machine
 from gcode.mach4.header import unflatten
 from gcode.mach4.program import Problem, Program
 from gcode.mach4.reader import read_program
@@ -38,7 +38,23 @@ _RESERVES = (1.0, 0.85, 0.7, 0.5)  # tried in turn when the controller's deviati
 
 @dataclass(frozen=True, repr=False)
 class Made:
-    """A planned trajectory and its checked program."""
+    """A planned trajectory and its checked program.
+
+    Attributes
+    ----------
+    spec : TrajectorySpec
+    seed : int
+    gauge_length_mm : float
+    feed_mode : {"G94", "G93"}
+    trajectory : Trajectory
+        As planned.
+    program : str
+        The text.
+    executed : Trajectory
+        What the controller that the spec names makes of the program.
+    statistics : MotionStatistics
+        Of that.
+    """
 
     spec: TrajectorySpec
     seed: int
@@ -46,6 +62,7 @@ class Made:
     feed_mode: FeedMode
     trajectory: Trajectory
     program: str
+    executed: Trajectory
     statistics: MotionStatistics
 
     def __repr__(self) -> str:
@@ -94,7 +111,7 @@ class Made:
         acceleration = self.spec.controller_acceleration_mm_per_s2
         if acceleration >= AMPLE * self.spec.limits.a_max_mm_per_s2:
             return []
-        done_mm, planned_mm = executed(self).position_mm, self.trajectory.position_mm
+        done_mm, planned_mm = self.executed.position_mm, self.trajectory.position_mm
         count = min(len(done_mm), len(planned_mm))
         off_mm = float(np.abs(done_mm[:count] - planned_mm[:count]).max())
         if off_mm <= FAR_OFF_MM:
@@ -154,7 +171,7 @@ def _attempt(
     trajectory = plan(spec, seed, gauge_length_mm, reserve=reserve)
     planned = trajectory.statistics()
     acceleration = spec.controller_acceleration_mm_per_s2
-    draft = Made(spec, seed, gauge_length_mm, feed_mode, trajectory, "", planned)
+    draft = Made(spec, seed, gauge_length_mm, feed_mode, trajectory, "", trajectory, planned)
     text = write_program(
         trajectory,
         header={"program": spec.name, **draft.recipe(), "statistics": _rounded(planned)},
@@ -164,8 +181,8 @@ def _attempt(
     )
     machine = Machine(acceleration_mm_per_s2=acceleration)
     result = check_program(read_program(text), spec.limits, spec.rate_hz, machine, longest_dwell_s=np.inf)
-    statistics = result.statistics or planned
-    return Made(spec, seed, gauge_length_mm, feed_mode, trajectory, text, statistics), result.problems
+    done, statistics = result.executed or trajectory, result.statistics or planned
+    return replace(draft, program=text, executed=done, statistics=statistics), result.problems
 
 
 def make_again(program: Program) -> Made:
@@ -190,8 +207,3 @@ def make_again(program: Program) -> Made:
 
 def _rounded(statistics: MotionStatistics) -> dict[str, float]:
     return {key: round(value, 4) for key, value in statistics.model_dump().items()}
-
-
-def executed(made: Made) -> Trajectory:
-    """The executed motion of a made program, on the controller it was written for."""
-    return play(read_program(made.program), made.spec.rate_hz)

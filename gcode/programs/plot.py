@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from gcode.motion.statistics import accelerations, speeds
-from gcode.programs.make import Made, executed
+from gcode.programs.make import Made
 from gcode.support import files
 from gcode.support.colours import BLUE, GREY, VERMILION
 from gcode.support.figures import histogram_range
@@ -23,7 +23,7 @@ def write_plot(made: Made, path: str | Path) -> Path:
     figure = Figure(figsize=(12, 9), layout="constrained")
     grid = figure.add_gridspec(4, 2, width_ratios=(4, 1))
     rate, limits = made.spec.rate_hz, made.spec.limits
-    played = executed(made).position_mm
+    played = made.executed.position_mm
     time_s = np.arange(len(played)) / rate
     rows = (
         ("position (mm)", time_s, played, None),

@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from gcode.motion.statistics import MotionStatistics
-from gcode.support.strict import OpenModel, load
+from gcode.support.strict import ExtraIgnored, load
 from gcode.trajectories.trajectory import TrajectorySpec
 
 MOST_BYTES = 16 << 20
 
 
-class StoredPlan(OpenModel):
+class StoredPlan(ExtraIgnored):
     """``trajectory.json``, as far as other rooms read it."""
 
     spec: TrajectorySpec

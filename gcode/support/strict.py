@@ -55,7 +55,7 @@ class NamedModel(BaseModel):
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
 
-class OpenModel(StrictModel):
+class ExtraIgnored(StrictModel):
     """As `StrictModel`, of a file that may say more than we ask of it; what else it says goes no further."""
 
     model_config = ConfigDict(extra="ignore")

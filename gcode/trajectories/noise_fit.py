@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from gcode.motion.path import Frame
 from gcode.support.errors import UserError
+from gcode.support.read_only import keep_read_only
 from gcode.trajectories.natural import Noise
 from gcode.trajectories.planning import plan
 from gcode.trajectories.target import NAMES, Target, trial
@@ -25,8 +26,11 @@ class FitResult:
     """The spec found, and what four other seeds give with it: mean and worst relative deviation of each statistic."""
 
     spec: TrajectorySpec
-    mean: dict[str, float]
-    worst: dict[str, float]
+    mean: Mapping[str, float]
+    worst: Mapping[str, float]
+
+    def __post_init__(self) -> None:
+        keep_read_only(self, "mean", "worst")
 
     @property
     def near(self) -> bool:

@@ -106,7 +106,7 @@ class Trajectory:
         return float(self.time_s[-1] - self.time_s[0])
 
     def __repr__(self) -> str:
-        low, high = float(self.position_mm.min()), float(self.position_mm.max())
+        low, high = (round(float(end), 9) + 0.0 for end in (self.position_mm.min(), self.position_mm.max()))
         return f"<Trajectory {self.duration_s:.1f} s at {self.rate_hz:g} Hz, {low:.3g} to {high:.3g} mm>"
 
     def _repr_html_(self) -> str:

@@ -12,6 +12,7 @@ import numpy as np
 
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
+from gcode.support.kinds import path_of
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
@@ -21,6 +22,7 @@ from testbench.measurements.preparing import MAX_GRID_HZ
 from testbench.measurements.splitting import MIN_PART
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
 from testbench.recordings.checks import known_length
+from testbench.recordings.columns import numbers
 from testbench.recordings.csv_columns import is_remark, listed
 from testbench.recordings.doubts import check_gap, check_grid, say_if_same, say_sign, say_slow
 from testbench.recordings.files import SPELLINGS, read_recording, say_of_temperature, strange_names
@@ -51,6 +53,7 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
     Parameters
     ----------
     source : path, DataFrame or mapping of str to array, each shape (n,)
+        A table of polars or Arrow is one, too.
         Columns ``time_s``, ``displacement_mm``, ``force_N``, ``resistance_ohm``; force or resistance may be missing.
         Others that have no number from top to bottom, such as remarks, are left out.
     gauge_length_mm : float, optional
@@ -74,11 +77,14 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
     """
     if isinstance(source, str | Path):
         return read_recording(source, gauge_length_mm)
-    if not hasattr(source, "items"):
-        raise UserError(f"read: must be a path, a data frame or a mapping of columns, got {type(source).__name__}")
-    _check_names(map(str, source))
-    named = {str(name): values for name, values in source.items()}
-    columns = {name: _numbers(name, values) for name, values in named.items() if not _is_remark(name, values)}
+    table = _columns_in(source)
+    _check_names(str(name) for name, _ in table)
+    named = {str(name): values for name, values in table}
+    columns = {
+        name: np.array(numbers("read", name, values))  # a copy: the table stays the user's
+        for name, values in named.items()
+        if not _is_remark(name, values)
+    }
     if TIME not in columns:
         raise UserError(f"read: no column {TIME} (found: {listed(named, columns)}); rename yours")
     if gauge_length_mm is None and DISPLACEMENT in columns:
@@ -87,6 +93,22 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
     time_s = columns.pop(TIME)
     source = f"columns-{_digest(time_s, *columns.values())}"
     return Recording(time_s, columns, known_length(gauge_length_mm, source), source)
+
+
+def _columns_in(source: Any) -> list[tuple[Any, Any]]:
+    """Names and values of the columns of a table in memory: pandas, polars, Arrow, or a mapping.
+
+    Raises
+    ------
+    UserError
+        If it is no table.
+    """
+    if hasattr(source, "items"):
+        return list(source.items())
+    names = getattr(source, "column_names", None) or getattr(source, "columns", None)  # of Arrow; of polars
+    if not isinstance(names, list) or not hasattr(source, "__getitem__"):
+        raise UserError(f"read: must be a path, a data frame or a mapping of columns, got {type(source).__name__}")
+    return [(name, source[name]) for name in names]
 
 
 def _check_names(names: Iterable[str]) -> None:
@@ -117,32 +139,12 @@ def _is_remark(name: str, values: Any) -> bool:
     return column.ndim == 1 and column.dtype.kind in "OUT" and is_remark(name, pd.Series(column.astype(object)))
 
 
-def _numbers(name: str, values: Any) -> FloatArray:
-    """One column of a data frame or a mapping, shape (n,)."""
-    given = np.asarray(values).dtype
-    if given.kind in "mM":
-        raise UserError(
-            f"read: {name} must be numbers, got dates or durations ({given}); give seconds since the first sample"
-        )
-    if given.kind in "bc":
-        raise UserError(f"read: {name} must be real numbers, got {given}; convert it, or leave it out")
-    try:
-        column = np.array(values, dtype=np.float64)
-        if np.ma.isMaskedArray(values):
-            column[np.ma.getmaskarray(values)] = np.nan
-    except (TypeError, ValueError, OverflowError) as error:
-        raise UserError(f"read: {name} must be numbers, {error}; convert it, or leave it out") from error
-    if column.ndim != 1:
-        raise UserError(f"read: {name} must be one number a sample, got shape {column.shape}")
-    return column
-
-
 def _digest(*arrays: FloatArray) -> str:
     """Eight hexadecimal digits that tell recordings in memory apart: a model knows by name what it was fitted on."""
     return f"{reduce(lambda sum_, values: crc32(values.tobytes(), sum_), arrays, 0):08x}"
 
 
-def opened(source: Source, gauge_length_mm: float | None, usual_mm: float | None = None) -> Recording:
+def as_recording(source: Source, gauge_length_mm: float | None, usual_mm: float | None = None) -> Recording:
     """A recording, read where a path was given.
 
     Parameters
@@ -178,14 +180,14 @@ def opened(source: Source, gauge_length_mm: float | None, usual_mm: float | None
 def recording_of(source: Source, gauge_length_mm: float | None = None, usual_mm: float | None = None) -> Recording:
     """A recording with its displacement, which every model needs; doubts about it are said on stderr, once.
 
-    See `opened` for the lengths.
+    See `as_recording` for the lengths.
 
     Raises
     ------
     UserError
-        If it has no displacement, or is nearly nothing but one gap; see also `opened`.
+        If it has no displacement, or is nearly nothing but one gap; see also `as_recording`.
     """
-    recording = opened(source, gauge_length_mm, usual_mm)
+    recording = as_recording(source, gauge_length_mm, usual_mm)
     recording.needs_displacement()
     check_gap(recording)
     say_sign(recording)
@@ -239,11 +241,24 @@ def catalogue_of(effects: Effects) -> Catalogue:
     if effects is None or isinstance(effects, str | Path):
         return load_catalogue(effects)
     catalogue = load_catalogue()
-    for effect in effects if isinstance(effects, Iterable) else [effects]:
+    given: Any = effects
+    single = isinstance(given, type | Effect) or not isinstance(given, Iterable)  # an Effect iterates over its fields
+    for effect in [given] if single else given:
         if not (isinstance(effect, type) and issubclass(effect, Effect)):
             raise UserError(f"effects: must be a file, or classes of your own effects, got {effect!r}")
         catalogue.add(effect, "effects")
     return catalogue
+
+
+def own_file(effects: str | Path | None) -> Path | None:
+    """The file with the user's own effects, where one is needed: it is copied beside what was made with it.
+
+    Raises
+    ------
+    UserError
+        If it is no path.
+    """
+    return None if effects is None else path_of(effects, "file with your own effects")
 
 
 def model_file_of(model: AnyModel, catalogue: Catalogue) -> ModelFile:

@@ -11,6 +11,7 @@ from html import escape
 from typing import Any
 
 from gcode.support.console import Progress
+from gcode.support.errors import UserError
 from gcode.support.streams import redrawn
 
 Tell = Callable[[str], None]
@@ -100,6 +101,8 @@ def telling(progress: Tell | bool | None) -> Iterator[Tell | None]:
     progress : callable, bool or None
         A callable is used as it is, False says nothing, None or True shows a line where somebody watches.
     """
+    if not (progress is None or isinstance(progress, bool) or callable(progress)):
+        raise UserError(f"progress must be True, False or a callable that takes a text, got {progress!r}")
     if progress is False:
         yield None
     elif callable(progress):

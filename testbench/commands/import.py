@@ -120,9 +120,9 @@ def _add_repairs(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     import json
 
-    from testbench.api.files.importing import import_file
+    from testbench.api.files.importing import imported
 
-    found = import_file(args.file, wish_of(args))
+    found = imported(args.file, wish_of(args))
     found.write(args.out, args.overwrite)
     print(json.dumps(found.to_dict(args.out)) if args.json else found.words(args.out))
     return 0

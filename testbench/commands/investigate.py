@@ -15,9 +15,10 @@ EXAMPLE = (
     "exit code: 0 one hypothesis is sure, 1 the time is spent, 2 bad input, 130 interrupted (go on with --resume)"
 )
 
-ASKED = {"max_force_n": "force_max_N", "repeat": "most"}  # other names than the public function's
+ASKED = {"repeat": "most"}  # another name than the public function's
 # What an investigation keeps as it began.
-AS_BEGUN = {"model", "run_minutes", "fresh", "rest_s", *BOUNDS, *ASKED, "gauge_length_mm", "trials", "seed", "motion"}
+LIMITS = {*BOUNDS, "max_force_N", "gauge_length_mm"}
+AS_BEGUN = {"model", "run_minutes", "fresh", "rest_s", *LIMITS, *ASKED, "trials", "seed", "motion"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -48,6 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bounds(parser)
     parser.add_argument(
         "--max-force-n",
+        dest="max_force_N",
         type=positive,
         metavar="F",
         help="design no motion that a likely model expects more force of; a real recording stops there, and is then "
@@ -113,8 +115,9 @@ def _check_resumed(args: argparse.Namespace) -> None:
 
     said = sorted(name for name in AS_BEGUN if getattr(args, name) is not None)
     if args.resume and said:
+        option = said[0].replace("_", "-").lower()
         raise UserError(
-            f"--{said[0].replace('_', '-')}: an investigation goes on as it began; with --resume leave it out "
+            f"--{option}: an investigation goes on as it began; with --resume leave it out "
             "(--budget-minutes and --sure can be said anew)"
         )
 

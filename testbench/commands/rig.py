@@ -42,7 +42,7 @@ def run(args: argparse.Namespace) -> int:
         link=args.link,
         speed=args.speed,
         faults=args.faults,
-        opened=announce,
+        announce=announce,
     )
     print(f"rig: the motion is over; {unheard} lines went unheard", file=sys.stderr)
     return 0

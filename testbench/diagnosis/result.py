@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from gcode.support.read_only import free_copy, keep_read_only
 from testbench.diagnosis.held_out import Interval
 from testbench.diagnosis.judging.rounds import Verdict
 from testbench.knit.effect import Effect
@@ -125,12 +126,15 @@ class Diagnosis:
     error_after: Mapping[str, float]
     noise_floor: Mapping[str, float]
 
+    def __post_init__(self) -> None:
+        keep_read_only(self, "probabilities", "error_before", "error_after", "noise_floor")
+
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready form; the shape is documented in docs/finding-effects.md."""
         return {
             "verdict": self.verdict,
             "probabilities": dict(self.probabilities),
-            "found": [vars(one) for one in self.found],
+            "found": [dict(vars(one)) for one in self.found],
             "ranking": [one.to_dict() | {"tied_for_first": one.effect in self.tied} for one in self.ranking],
             "tied": list(self.tied),
             "base_misfits": list(self.base_misfits),
@@ -146,6 +150,6 @@ class Diagnosis:
             "noise_floor": dict(self.noise_floor),
             "model_before": self.before.model.to_dict(),
             "model_after": self.after.model.to_dict(),
-            "parameters_after": dict(self.after.fit),
-            "history": [dict(step) for step in self.after.history],
+            "parameters_after": free_copy(self.after.fit),
+            "history": free_copy(list(self.after.history)),
         }

@@ -37,7 +37,7 @@ class Fit:
     covariance : ndarray, shape (p, p)
         Of the coordinates. The errors of a model go on for longer than those of a sample: one sample in 1.6 s counts,
         and no more than in about 6 min, however long the recording is.
-    believed : ndarray, shape (p,)
+    prior_sd : ndarray, shape (p,)
         Standard deviations of the coordinates before the data.
     scale : dict of channel to float
         Robust standard deviation of the residual.
@@ -47,7 +47,7 @@ class Fit:
     parameters: FreeParameters
     vector: FloatArray
     covariance: FloatArray
-    believed: FloatArray
+    prior_sd: FloatArray
     scale: Mapping[str, float]
 
     @classmethod
@@ -56,9 +56,9 @@ class Fit:
         model = model or h.model
         kept = np.array([i for i, p in enumerate(h.priors.parameters) if p.place[0] in model], int)
         parameters = FreeParameters(h.priors.parameters[i] for i in kept)
-        believed = h.priors.scaled(h.evidence.scale)[kept] ** -0.5
+        prior_sd = h.priors.scaled(h.evidence.scale)[kept] ** -0.5
         return cls(
-            model, parameters, h.vector[kept], h.covariance[np.ix_(kept, kept)], believed, dict(h.evidence.sigma)
+            model, parameters, h.vector[kept], h.covariance[np.ix_(kept, kept)], prior_sd, dict(h.evidence.sigma)
         )
 
     @property
@@ -74,7 +74,7 @@ class Fit:
 
     def unidentified(self) -> list[str]:
         """Addresses of parameters about which this recording says nearly nothing beyond the prior."""
-        known = self.standard_errors < LEARNT * self.believed
+        known = self.standard_errors < LEARNT * self.prior_sd
         return [p.address for p, ok in zip(self.parameters, known, strict=True) if not ok]
 
     def correlated(self) -> list[tuple[str, str, float]]:

@@ -6,13 +6,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from gcode.support.errors import UserError
 from gcode.support.files import write_json
 from gcode.support.strict import StrictModel, load, validated
 from testbench.design.forecast import Likely, Reading
 from testbench.design.protocols import Bounds, menu
+from testbench.investigating.limits import bounds_with
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.measurements.responses import UNIT_OF
 from testbench.recordings.stored import GaugeLength, Label, Remark, Sha256, checked_model
@@ -52,7 +53,7 @@ class Settings(StrictModel):
         Motions that a design weighs beside the named protocols.
     effects_at_most : int
         Effects that a diagnosis puts in at most.
-    force_max_N : float or None
+    max_force_N : float or None
         More force than that no likely hypothesis may expect, and no recording may go on with.
     gauge_length_mm : float
     effects_sha256 : str or None
@@ -72,19 +73,11 @@ class Settings(StrictModel):
     seed: int = Field(1, ge=0, lt=2**31)
     trials: int = Field(24, ge=1, le=10_000)
     effects_at_most: int = Field(1, ge=1, le=10)
-    force_max_N: Positive | None = None
+    max_force_N: Positive | None = None
     gauge_length_mm: GaugeLength = 25.0
     effects_sha256: Sha256 | None = None
     own_effects: list[Label] | None = Field(None, max_length=1000)
     strain_allowed_percent: Positive | None = None
-
-    @field_validator("bounds")
-    @classmethod
-    def _known(cls, bounds: dict[str, float]) -> dict[str, float]:
-        known = {name for name in Bounds.__dataclass_fields__ if name != "gauge_length_mm"}
-        if strange := sorted(set(bounds) - known):
-            raise ValueError(f"known are {', '.join(sorted(known))}, got {strange[0]!r}")
-        return bounds
 
     @model_validator(mode="after")
     def _some_runs(self) -> Settings:
@@ -99,7 +92,7 @@ class Settings(StrictModel):
     @property
     def limits(self) -> Bounds:
         """As the design needs them."""
-        asked = Bounds(**{**self.bounds, "gauge_length_mm": self.gauge_length_mm})
+        asked = bounds_with(self.bounds, self.gauge_length_mm)
         allowed = self.strain_allowed_percent or asked.strain_max_percent
         return replace(asked, strain_max_percent=min(asked.strain_max_percent, allowed))
 

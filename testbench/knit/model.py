@@ -10,6 +10,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from gcode.support.html import table
+from gcode.support.read_only import keep_read_only
 from testbench.knit.additive import AdditiveLaw
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of
@@ -49,6 +50,7 @@ class KnitModel:
                     f"KnitModel: {name} must be an effect, as testbench.effects.StressRelaxation(fraction=0.2), "
                     f"got {type(effect).__name__}"
                 )
+        keep_read_only(self, "effects")
 
     @classmethod
     def of(cls, *effects: Effect) -> KnitModel:

@@ -57,8 +57,8 @@ class Part:
         The noise of the channels together would hide a law of one of them behind the other, which is noise already.
         """
         left = _squares(self.residual - changes, len(self.squares))
-        believed = explained - (self.squares.sum() - left.sum(-1))  # what the base pays for where it goes
-        return 0.5 * (count * np.log(self.squares / np.maximum(left, self.least)).sum(-1) + believed)
+        prior_cost = explained - (self.squares.sum() - left.sum(-1))  # what the base pays for where it goes
+        return 0.5 * (count * np.log(self.squares / np.maximum(left, self.least)).sum(-1) + prior_cost)
 
 
 class Projector:
@@ -105,7 +105,7 @@ class Projector:
         kept = known > IDLE
         self.base = directions[:, kept].T @ spread
         scales = shape_scales(measurement)
-        self.typical = {c: scales["N" if c == FORCE_CHANNEL else "1"] for c in self.channels}
+        self.typical_correction = {c: scales["N" if c == FORCE_CHANNEL else "1"] for c in self.channels}
         self.slopes = {p.name: {c: s[self.rows] for c, s in chain.slopes(p).items()} for p in chain.places}
         self.count = len(self.rows) * every * hypothesis.normal.share
         least = {c: self.count * (likelihood.least[c] / evidence.sigma[c]) ** 2 for c in self.channels}
@@ -129,7 +129,9 @@ class Projector:
 
     def prior_sds(self, place: Place, z: FloatArray) -> FloatArray:
         """Typical strengths, shape (m,): they change a channel by its typical correction, offsets not counted."""
-        sizes = [np.std(z * slope, axis=-1) / self.typical[c] for c, slope in self.slopes[place.name].items()]
+        sizes = [
+            np.std(z * slope, axis=-1) / self.typical_correction[c] for c, slope in self.slopes[place.name].items()
+        ]
         return 1 / np.maximum(np.max(sizes, axis=0), 1e-12)
 
     def scores(self, place: Place, z: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -72,8 +72,8 @@ class LawFitter:
         effect = effect_class(law, name, self.grid)()
         has_room = base != current.model
         model = base.plus(effect, name) if has_room else self.start(current, effect, name, prior_sd)
-        believed = self.believed(law, effect, name, prior_sd)
-        h = fitted(model, self.likelihood, self.reference, current, QUICK, True, believed)
+        known_priors = self.priors_of(law, effect, name, prior_sd)
+        h = fitted(model, self.likelihood, self.reference, current, QUICK, True, known_priors)
         return self.trial(law, name, h)
 
     def start(self, current: Hypothesis, effect: Effect, name: str, prior_sd: float) -> KnitModel:
@@ -99,7 +99,7 @@ class LawFitter:
 
     def anew(self, trial: Trial, model: KnitModel) -> Trial:
         """The law of a trial refitted in another model, with the same priors of its parameters."""
-        h = fitted(model, self.likelihood, self.reference, believed=trial.hypothesis.priors.believed)
+        h = fitted(model, self.likelihood, self.reference, known_priors=trial.hypothesis.priors.by_address)
         return self.trial(trial.law, trial.name, h)
 
     def trial(self, law: Law, name: str, h: Hypothesis) -> Trial:
@@ -107,7 +107,7 @@ class LawFitter:
         law = as_fitted(law, h.model[name])
         return Trial(law, name, h, h.log_z - PRICE_OF_PIECE * len(law.term.operators))
 
-    def believed(self, law: Law, effect: Effect, name: str, prior_sd: float) -> Mapping[str, tuple[float, float]]:
+    def priors_of(self, law: Law, effect: Effect, name: str, prior_sd: float) -> Mapping[str, tuple[float, float]]:
         """Priors of a law's parameters, mean and standard deviation: wide, since the search saw the data already."""
         found = {f"{name}.{strength_key(law)}": (0.0, prior_sd)}
         for slot in law.term.slots:

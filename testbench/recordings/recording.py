@@ -8,19 +8,21 @@ where both are there, ``displacement_mm`` may be.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from itertools import pairwise
-from numbers import Integral, Real
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-from gcode.support.kinds import number
+from gcode.support.kinds import number, whole
+from gcode.support.read_only import keep_read_only, read_only_array
 from testbench.recordings.channels import DISPLACEMENT, RESISTANCE, TIME
 from testbench.recordings.checks import check
+from testbench.recordings.columns import numbers
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -66,7 +68,7 @@ def recorded_duration_s(time_s: FloatArray) -> float:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Recording:
-    """Time and named channels of one run.
+    """Time and named channels of one run; none of them is changed in place.
 
     Attributes
     ----------
@@ -97,7 +99,20 @@ class Recording:
     metadata: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        _check_kinds(self.source, self.channels, self.metadata)
+        self._keep({TIME: self.time_s, **self.channels})
         check(self.source, self.time_s, self.channels, self.gauge_length_mm)
+
+    def _keep(self, columns: Mapping[str, Any]) -> None:
+        """Keep the columns as arrays that nobody changes, and nothing else that somebody could."""
+        arrays = {name: read_only_array(numbers(self.source, name, values)) for name, values in columns.items()}
+        object.__setattr__(self, "time_s", arrays.pop(TIME))
+        object.__setattr__(self, "channels", arrays)
+        keep_read_only(self, "channels", "metadata")
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update({each.name: state[each.name] for each in fields(self)})
+        self._keep({TIME: self.time_s, **self.channels})  # a pickle forgets that an array is not to be changed
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -183,12 +198,12 @@ class Recording:
     def strain(self) -> FloatArray:
         """Nominal strain: displacement over gauge length (dimensionless)."""
         self.needs_displacement()
-        return self[DISPLACEMENT] / self.gauge_length_mm
+        return read_only_array(self[DISPLACEMENT] / self.gauge_length_mm)
 
     @cached_property
     def conductance_S(self) -> FloatArray:
         """Conductance G = 1/R in siemens."""
-        return 1.0 / self[RESISTANCE]
+        return read_only_array(1.0 / self[RESISTANCE])
 
     @property
     def duration_s(self) -> float:
@@ -218,8 +233,7 @@ class Recording:
         UserError
             If `every` is no whole number of 1 or more, or too few samples are left.
         """
-        if not isinstance(every, Integral) or every < 1:
-            raise UserError(f"{self.source}: thinned needs a whole number, 1 or more, got {every!r}")
+        every = whole(f"{self.source}: every", every, 1)
         return self if every == 1 else self._rows(slice(None, None, every))
 
     def _rows(self, rows: np.ndarray | slice) -> Recording:
@@ -261,7 +275,7 @@ class Recording:
             If the rate is no number above 0; if most of that grid would be made up: more than a million points in
             gaps. A gap of a day is a gap; see `segments`. So, too, if it would have more than 20 million points.
         """
-        if not isinstance(rate_hz, Real) or not rate_hz > 0:
+        if isinstance(rate_hz, bool) or not isinstance(rate_hz, Real) or not rate_hz > 0:
             raise UserError(f"{self.source}: the rate must be a number of Hz above 0, got {rate_hz!r}")
         count = int(np.floor(min(self.duration_s * rate_hz, 1e18) * (1 + 1e-12))) + 1
         made_up = rate_hz * self.missing_s
@@ -279,3 +293,21 @@ class Recording:
         start_s, end_s = longest
         gap = f"nothing was recorded for {end_s - start_s:.4g} s after {start_s:.4g} s"
         return f"{gap}, and {many}, most of them made up; cut the recording there and use the parts"
+
+
+def _check_kinds(source: str, channels: object, metadata: object) -> None:
+    """Refuse channels that are no mapping of names to samples, or metadata that is no mapping.
+
+    Raises
+    ------
+    UserError
+    """
+    if not isinstance(channels, Mapping):
+        raise UserError(
+            f"{source}: channels must be a mapping of names to samples, got {type(channels).__name__}; "
+            "testbench.read makes a Recording of a data frame"
+        )
+    if strange := [name for name in channels if not isinstance(name, str)]:
+        raise UserError(f"{source}: a channel's name must be a text such as force_N, got {strange[0]!r}")
+    if not isinstance(metadata, Mapping):
+        raise UserError(f"{source}: metadata must be a mapping, got {type(metadata).__name__}; leave it out")

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from gcode.support.strict import OpenModel, StrictModel, read_json, validated
+from gcode.support.strict import ExtraIgnored, StrictModel, read_json, validated
 from testbench.recordings.checks import LONGEST_GAUGE_MM
 from testbench.recordings.instruments import Instruments
 
@@ -39,7 +39,7 @@ class StoredEffect(StrictModel):
     parameters: dict[Label, Number | list[Number] | list[list[Number]]]
 
 
-class StoredModel(OpenModel):
+class StoredModel(ExtraIgnored):
     """A knit model as `KnitModel.to_dict` writes it; what a file adds beside it (a fit, a history) is allowed."""
 
     format: Label
@@ -162,7 +162,7 @@ class StoredCampaign(StrictModel):
         return self
 
 
-class Resource(OpenModel):
+class Resource(ExtraIgnored):
     """One file of a campaign."""
 
     path: FileName
@@ -170,7 +170,7 @@ class Resource(OpenModel):
     hash: Annotated[str, Field(pattern=r"^sha256:[0-9a-f]{64}$")] | None = None
 
 
-class StoredManifest(OpenModel):
+class StoredManifest(ExtraIgnored):
     """``datapackage.json``, of which other tools may know more entries."""
 
     resources: Annotated[list[Resource], Field(max_length=10_000)]
@@ -198,7 +198,7 @@ class StoredIndex(StrictModel):
     campaigns: list[IndexEntry]
 
 
-class StoredEvent(OpenModel):
+class StoredEvent(ExtraIgnored):
     """One line of ``events.jsonl``, as far as a recording that goes on must know it."""
 
     event: Label

@@ -13,6 +13,7 @@ from pydantic import ConfigDict, Field, model_validator
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
 from gcode.support.files import write_json
+from gcode.support.read_only import keep_read_only, read_only
 from gcode.support.strict import StrictModel, read_json, validated
 from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
 from testbench.knit.model import KnitModel
@@ -24,19 +25,19 @@ from testbench.recordings.stored import Label, StoredModel, checked_model
 MEASURED_AS = {FORCE_CHANNEL: FORCE, CONDUCTANCE_CHANNEL: RESISTANCE}
 
 
-class OpenModel(StrictModel):
+class ExtraKept(StrictModel):
     """What a later version adds beside the entries that are checked is passed on as it is."""
 
     model_config = ConfigDict(frozen=True, extra="allow", allow_inf_nan=False)
 
 
-class _Parameter(OpenModel):
+class _Parameter(ExtraKept):
     value: float
     unit: Label
     standard_error: Annotated[float, Field(ge=0)]
 
 
-class Summary(OpenModel):
+class Summary(ExtraKept):
     """What `testbench.fitting.fit.Fit.summary` makes."""
 
     parameters: dict[Label, _Parameter] = Field(default_factory=dict)
@@ -46,12 +47,12 @@ class Summary(OpenModel):
     residual_scale: dict[Label, float] = Field(default_factory=dict)
 
 
-class Errors(OpenModel):
+class Errors(ExtraKept):
     calibration: dict[Label, Annotated[float, Field(ge=0)]]
     held_out: dict[Label, Annotated[float, Field(ge=0)]]
 
 
-class _Zero(OpenModel):
+class _Zero(ExtraKept):
     """A `testbench.comparing.clamping.Zero`."""
 
     shift_mm: float
@@ -60,7 +61,7 @@ class _Zero(OpenModel):
     force_N: float | None = None
 
 
-class Step(OpenModel):
+class Step(ExtraKept):
     """What `testbench.comparing.ladder.ladder_step` makes."""
 
     step: Label
@@ -112,6 +113,10 @@ class ModelFile:
     held_out: str = ""
     fit: Mapping[str, Any] = field(default_factory=dict)
     history: tuple[Mapping[str, Any], ...] = ()
+
+    def __post_init__(self) -> None:
+        keep_read_only(self, "fit")
+        object.__setattr__(self, "history", tuple(map(read_only, self.history)))
 
     @property
     def clamp_play_mm(self) -> float:

@@ -14,7 +14,7 @@ from pydantic import Field, model_validator
 from gcode.support.errors import UserError
 from gcode.support.strict import StrictModel, json_of, read_text, validated
 from testbench.recordings.stored import GaugeLength, Label, StoredModel, checked_model
-from testbench.results.model_file import Errors, OpenModel, Step, Summary
+from testbench.results.model_file import Errors, ExtraKept, Step, Summary
 
 MOST_BYTES = 64 << 20
 SCORE_FORMAT = "knitbench-score"
@@ -26,7 +26,7 @@ Size = Annotated[float, Field(ge=0, le=LARGEST)]
 MOST_EFFECTS, MOST_POINTS = 1000, 1_000_000
 
 
-class _Named(OpenModel):
+class _Named(ExtraKept):
     """A mechanism (``effect``) and the law of it that fits best; ``form`` is what older files call the law."""
 
     effect: Label
@@ -54,13 +54,13 @@ class _Found(_Named):
     log_evidence: Finite
 
 
-class _Dependence(OpenModel):
+class _Dependence(ExtraKept):
     channel: Label
     coordinate: Label
     gain: Finite
 
 
-class StoredDiagnosis(OpenModel):
+class StoredDiagnosis(ExtraKept):
     """What ``testbench diagnose --json`` writes."""
 
     verdict: Literal["missing", "nothing_missing", "unknown"]
@@ -95,7 +95,7 @@ class StoredDiagnosis(OpenModel):
         return self
 
 
-class _Trace(OpenModel):
+class _Trace(ExtraKept):
     """Columns of one length."""
 
     time_s: Annotated[list[Finite], Field(max_length=MOST_POINTS)]
@@ -112,7 +112,7 @@ class _Trace(OpenModel):
         return self
 
 
-class _Scored(OpenModel):
+class _Scored(ExtraKept):
     source: Annotated[str, Field(max_length=4096)]
     role: Label
     r2_before: Finite
@@ -125,13 +125,13 @@ class _Scored(OpenModel):
     zooms: Annotated[list[_Trace], Field(min_length=1, max_length=100)]
 
 
-class _Compensator(OpenModel):
+class _Compensator(ExtraKept):
     target: Literal["force", "displacement"]
     unit: Label
     parameters: Annotated[int, Field(ge=0)]
 
 
-class _ScoreSummary(OpenModel):
+class _ScoreSummary(ExtraKept):
     over: Label
     recordings: Annotated[int, Field(ge=1)]
     r2_before: Finite
@@ -140,7 +140,7 @@ class _ScoreSummary(OpenModel):
     E: Finite | None = None
 
 
-class StoredScore(OpenModel):
+class StoredScore(ExtraKept):
     """What ``compensation score -o`` writes."""
 
     format: Literal["knitbench-score"]
@@ -150,7 +150,7 @@ class StoredScore(OpenModel):
     summary: _ScoreSummary
 
 
-class _Option(OpenModel):
+class _Option(ExtraKept):
     protocol: Label
     duration_s: Size
     log_odds: Finite
@@ -169,7 +169,7 @@ class _Left(StrictModel):
         return self
 
 
-class StoredExperiment(OpenModel):
+class StoredExperiment(ExtraKept):
     """What ``testbench experiment --json`` writes."""
 
     rivals: Annotated[list[Label], Field(min_length=2, max_length=100)]
@@ -242,5 +242,5 @@ def _read(path: str | Path, what: str) -> Any:
     return json_of(read_text(path, what, MOST_BYTES), what, path)
 
 
-def _plain(model: OpenModel) -> Mapping[str, Any]:
+def _plain(model: ExtraKept) -> Mapping[str, Any]:
     return model.model_dump(mode="json", exclude_unset=True)

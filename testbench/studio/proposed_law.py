@@ -13,7 +13,7 @@ from pydantic import Field
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
-from gcode.support.strict import OpenModel, load, read_text
+from gcode.support.strict import ExtraIgnored, load, read_text
 from testbench.recordings.stored import Finite, Label, Remark
 from testbench.results.model_file import Step, about_model
 from testbench.results.result_files import read_diagnosis
@@ -26,7 +26,7 @@ JSON, MODEL = "proposal.json", "model.json"
 LARGEST_EFFECT_BYTES = 1 << 20
 
 
-class Option(OpenModel):
+class Option(ExtraIgnored):
     """A law that was refitted, as ``testbench propose --json`` tells it."""
 
     words: Remark
@@ -47,7 +47,7 @@ class FoundLaw(Option):
     alternatives: Annotated[list[Option], Field(max_length=50)] = Field(default_factory=list)
 
 
-class Proposal(OpenModel):
+class Proposal(ExtraIgnored):
     """The file that ``testbench propose --json`` writes, as far as a page shows it."""
 
     verdict: Literal["proposed", "nothing_left", "no_law", "does_not_hold"]

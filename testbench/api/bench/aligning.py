@@ -136,5 +136,5 @@ def _own_program(recording: Source) -> Path:
     if not isinstance(recording, str | Path):
         raise UserError("align: name the program; only a campaign's folder knows its own")
     if not (own := Path(recording) / PROGRAM).is_file():
-        raise UserError(f"align: {recording} holds no {PROGRAM}; name the program that was played with --program")
+        raise UserError(f"align: {recording} holds no {PROGRAM}; name the program that was played")
     return own

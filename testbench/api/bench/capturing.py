@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from gcode.support.files import existing_file
-from gcode.support.kinds import path_of
+from gcode.support.kinds import instance, number, path_of, whole
 from testbench.api.bench.running import CampaignResult
 from testbench.campaigns import record as campaigns
 from testbench.campaigns.clearing import vacant
@@ -55,8 +55,8 @@ def record(
     *,
     gauge_length_mm: float | None = None,
     specimen: str = "",
-    max_force_N: float = float("inf"),
-    max_strain: float = float("inf"),
+    max_force_N: float | None = None,
+    max_strain: float | None = None,
     baud: int = BAUD,
     give_up_s: float = GIVE_UP_S,
     compensator: str | Path | None = None,
@@ -79,8 +79,8 @@ def record(
         In mm; default: the program's.
     specimen : str
         What is in the clamps; kept in the manifest.
-    max_force_N, max_strain : float
-        Beyond this force in N, or this strain, the recording ends.
+    max_force_N, max_strain : float, optional
+        Beyond this force in N, or this strain (0.3: 30 %), the recording ends; default: there is no such limit.
     baud : int
     give_up_s : float
         How long, in s, a lost port may stay away, or a full disk full.
@@ -114,11 +114,14 @@ def record(
     /dev/no-such-port
     """
     folder, port = path_of(folder, "folder"), stated_port(port)
+    said = {"max_force_N": max_force_N, "max_strain": max_strain}
+    limits = Limits(**{name: limit for name, limit in said.items() if limit is not None})
+    baud, give_up_s = whole("baud", baud, 1), number("give_up_s", give_up_s, 0)
     vacant(folder)
     program = existing_file(program, "program; make one with `gcode generate`")
     check_beside(program)
     _, gauge = played(program, gauge_length_mm)
-    job = Job(port, baud, program, gauge, Limits(max_force_N, max_strain), specimen, give_up_s)
+    job = Job(port, baud, program, gauge, limits, instance("specimen", specimen, str), give_up_s)
     return _recorded(job, folder, False, compensator, report, stopped)
 
 
@@ -164,7 +167,7 @@ def resume_recording(
     ...         print(str(error).partition(": ")[2])
     this campaign was simulated; only a recorded one can be continued
     """
-    folder = path_of(folder, "campaign")
+    folder, give_up_s = path_of(folder, "campaign"), number("give_up_s", give_up_s, 0)
     return _recorded(job_of(folder, port, give_up_s), folder, True, compensator, report, stopped)
 
 

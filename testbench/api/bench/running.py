@@ -15,7 +15,7 @@ from gcode.support.errors import UserError
 from gcode.support.files import existing_file, write_text
 from gcode.support.html import card
 from gcode.support.kinds import instance, number, path_of, whole
-from testbench.api.arguments import AnyModel, catalogue_of, is_preset, model_file_of, model_name
+from testbench.api.arguments import AnyModel, catalogue_of, is_preset, model_file_of, model_name, own_file
 from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live
 from testbench.campaigns.clearing import vacant
 from testbench.campaigns.plan import Plan, programs_before
@@ -171,7 +171,7 @@ def run(
     ...     made.recording.gauge_length_mm
     25.0
     """
-    folder, earlier, own = path_of(folder, "folder"), earlier_runs(after), Path(effects) if effects else None
+    folder, earlier, own = path_of(folder, "folder"), earlier_runs(after), own_file(effects)
     name = model_name(model)
     knit = model_file_of(model, catalogue_of(own)).model
     with program_file(program) as path:

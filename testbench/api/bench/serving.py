@@ -9,8 +9,8 @@ from numpy.random import default_rng
 
 from gcode.programs.make import Made
 from gcode.support.errors import UserError
-from gcode.support.kinds import number
-from testbench.api.arguments import AnyModel, catalogue_of, model_file_of
+from gcode.support.kinds import number, path_of
+from testbench.api.arguments import AnyModel, catalogue_of, model_file_of, own_file
 from testbench.api.bench.running import earlier_runs, planned, program_file
 from testbench.rig.connection.links import paced
 from testbench.rig.simulation.faults import faulty
@@ -30,7 +30,7 @@ def serve_rig(
     link: str | Path | None = None,
     speed: float = 1.0,
     faults: float = 0.0,
-    opened: Callable[[str], None] = lambda port: None,
+    announce: Callable[[str], None] = lambda port: None,
 ) -> int:
     """Put the simulated rig behind a pseudo-terminal, and play a program once somebody listens to it.
 
@@ -44,7 +44,7 @@ def serve_rig(
         Times faster than real.
     faults : float
         Share of the lines that are damaged on their way, 0 to 1.
-    opened : callable
+    announce : callable
         Called with the name of the port, which `testbench.record` is to listen to.
 
     Returns
@@ -70,14 +70,14 @@ def serve_rig(
     number("speed", speed)
     if not 0 <= number("faults", faults) <= 1:
         raise UserError(f"faults: must be a share from 0 to 1, got {faults}")
-    own = Path(effects) if effects else None
+    own = own_file(effects)
     sensor, earlier = model_file_of(model, catalogue_of(own)).model, earlier_runs(after)
     with program_file(program) as path:
         plan, motion = planned(sensor, path, seed, gauge_length_mm, None, earlier, rest_s, effects=own)
         lines = plan.wire_lines(motion)
-    port = PtyPort(link)
+    port = PtyPort(None if link is None else path_of(link, "link to the port"))
     try:
-        opened(port.name)
+        announce(port.name)
         unheard = serve(port, faulty(paced(lines, speed), faults, default_rng(seed)))
         if port.has_reader():
             port.wait_for_reader(wanted=False)

@@ -20,6 +20,7 @@ from testbench.design.experiment_words import experiment_table, verdict
 from testbench.design.imitation import Rival
 from testbench.design.protocols import Bounds, menu
 from testbench.design.rivals import rivals_from_diagnosis, rivals_of
+from testbench.investigating.limits import bounds_with
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import FloatArray
 from testbench.measurements.splitting import split
@@ -174,7 +175,7 @@ def next_experiment(
                 raise UserError("next_experiment: a diagnosis needs the recording that its rivals are refitted on")
             first, held, _ = recordings_for(None, None, recording, held_out, gauge_length_mm)
             data, source = diagnosis_data(rivals), "diagnosis" if isinstance(rivals, DiagnosisResult) else str(rivals)
-            menu(_bounds(bounds_said(bounds), first.gauge_length_mm))  # refused before the refits
+            menu(bounds_with(bounds_said(bounds), first.gauge_length_mm))  # refused before the refits
             say = tell or (lambda _text: None)
             found, noise = rivals_from_diagnosis(data, source, *split(first, held), catalogue, say)
             gauge, temperature = first.gauge_length_mm, temperature or first.has(TEMPERATURE)
@@ -183,7 +184,7 @@ def next_experiment(
                 raise UserError("next_experiment: models are as they were fitted; leave recording and held_out out")
             found, noise, gauge = _fitted(rivals, catalogue)
             gauge = gauge if gauge_length_mm is None else gauge_length_mm
-        limits = _bounds(bounds_said(bounds), gauge)
+        limits = bounds_with(bounds_said(bounds), gauge)
         return NextExperiment(
             tuple(found), tuple(experiment.propose(found, noise, limits, seed, temperature, tell)), gauge
         )
@@ -210,15 +211,3 @@ def bounds_said(bounds: Mapping[str, float] | Bounds | None) -> dict[str, float]
     if not isinstance(bounds or {}, Mapping):
         raise UserError(f"bounds must be testbench.Bounds or a mapping of its fields, got {type(bounds).__name__}")
     return dict(bounds or {})
-
-
-def _bounds(fields: Mapping[str, float], gauge_length_mm: float) -> Bounds:
-    allowed = [name for name in Bounds.__dataclass_fields__ if name != "gauge_length_mm"]
-    if fields.get("gauge_length_mm", gauge_length_mm) != gauge_length_mm:
-        raise UserError(
-            f"bounds: the gauge length is {gauge_length_mm:g} mm, got {fields['gauge_length_mm']!r}; for a sensor of "
-            "another length give gauge_length_mm beside bounds"
-        )
-    if other := sorted(set(fields) - {*allowed, "gauge_length_mm"}):
-        raise UserError(f"bounds: allowed are {', '.join(allowed)}; got {', '.join(other)}")
-    return Bounds(**{**fields, "gauge_length_mm": gauge_length_mm})

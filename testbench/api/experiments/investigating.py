@@ -11,7 +11,7 @@ from typing import Literal
 
 from gcode.support.errors import UserError
 from gcode.support.files import copy_file, refuse_links, sha256_of, write_json
-from gcode.support.kinds import path_of
+from gcode.support.kinds import number, path_of
 from gcode.support.strict import validated
 from testbench.api.arguments import AnyModel, Effects, catalogue_of, model_file_of, model_name
 from testbench.api.experiments.designing import bounds_said
@@ -58,7 +58,7 @@ def investigate(
     seed: int = 1,
     trials: int = 24,
     most: int = 2,
-    force_max_N: float | None = None,
+    max_force_N: float | None = None,
     gauge_length_mm: float = 25.0,
     model: AnyModel | None = None,
     effects: Effects = None,
@@ -102,7 +102,7 @@ def investigate(
         Motions that a design weighs beside the named protocols.
     most : int
         Effects that a diagnosis puts in at most; the belief is about the one that is missing most.
-    force_max_N : float, optional
+    max_force_N : float, optional
         No motion is designed that any likely hypothesis expects more force of; a real recording stops there, and
         with `resume` its run is planned anew with less strain. Before the first run nothing is known of the force.
     gauge_length_mm : float
@@ -138,6 +138,8 @@ def investigate(
     1
     """
     folder = path_of(folder, "folder")
+    speed = None if speed is None else number("speed", speed)
+    budget_minutes = None if budget_minutes is None else number("budget_minutes", budget_minutes)
     own_file = Path(effects) if isinstance(effects, str | Path) else None
     if resume:
         _check_as_begun(folder, sensor, model, own_file)
@@ -151,7 +153,7 @@ def investigate(
         raise UserError("investigate: give a SENSOR to simulate, or the port of a real rig")
     else:
         asked = {
-            "bounds": {**bounds_said(bounds), "duration_s": 60 * run_minutes},
+            "bounds": _bounds_of_a_run(bounds, run_minutes),
             "budget_s": 60 * (30.0 if budget_minutes is None else budget_minutes),
             "sure": 0.95 if sure is None else sure,
             "specimen": specimen,
@@ -160,7 +162,7 @@ def investigate(
             "seed": seed,
             "trials": trials,
             "effects_at_most": most,
-            "force_max_N": force_max_N,
+            "max_force_N": max_force_N,
             "gauge_length_mm": gauge_length_mm,
             "effects_sha256": sha256_of(own_file) if own_file else None,
             "own_effects": _own_effects(catalogue),
@@ -185,6 +187,17 @@ def _check_as_begun(folder: Path, sensor: AnyModel | None, model: AnyModel | Non
     refuse_links(folder.glob("*"), "copy the folder and use the copy")
     if sha256 := load_investigation(folder).settings.effects_sha256:
         named_effects(folder, folder / EFFECTS, own_file, sha256)
+
+
+def _bounds_of_a_run(bounds: Bounds | Mapping[str, float] | None, run_minutes: float) -> dict[str, float]:
+    """What was said of the bounds, and the duration, which is said by `run_minutes` alone."""
+    said, run_s = bounds_said(bounds), 60 * number("run_minutes", run_minutes)
+    if said.get("duration_s", run_s) != run_s:
+        raise UserError(
+            f"bounds: a run takes {run_s:g} s (run_minutes), got a duration_s of {said['duration_s']!r}; say it by "
+            "run_minutes"
+        )
+    return {**said, "duration_s": run_s}
 
 
 def _own_effects(catalogue: Catalogue) -> list[str]:
@@ -248,7 +261,7 @@ def _bench(
             )
         if speed is not None:
             raise UserError("speed: is that of the simulated rig; leave it out where a port is given")
-        limits = Limits(max_force_N=state.settings.force_max_N or float("inf"))
+        limits = Limits(max_force_N=state.settings.max_force_N or float("inf"))
         return PortBench(stated_port(port), limits=limits, specimen=state.sensor)
     if not (folder / SENSOR).is_file():
         raise UserError(f"{folder}: was made on a real rig; give its port again to go on")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from gcode.support.figures import panels, picture
 from gcode.support.html import card, frame_table
+from gcode.support.read_only import read_only
 from gcode.trajectories.trajectory import read_csv
 from testbench.investigating.state import SURE, Investigation, RunState, program_folder
 from testbench.investigating.words import ending_words, investigation_words, spoken
@@ -49,7 +50,7 @@ class InvestigationResult:
     @property
     def probabilities(self) -> Mapping[str, float]:
         """After the last run, of every hypothesis; they sum to 1."""
-        return self.state.belief.probabilities if self.state.belief else {}
+        return read_only(self.state.belief.probabilities if self.state.belief else {})
 
     @property
     def is_sure(self) -> bool:

@@ -11,6 +11,7 @@ from gcode.support.errors import UserError
 from gcode.support.files import check_place, existing_file
 from gcode.support.html import card
 from gcode.support.kinds import path_of
+from testbench.api.files.wish_words import in_python
 from testbench.campaigns.clearing import check_vacant, replaced
 from testbench.importing import from_file
 from testbench.importing.imported import Imported, place_of, write_import
@@ -53,7 +54,7 @@ class ImportResult:
     @property
     def doubts(self) -> tuple[str, ...]:
         """What looks wrong, with the remedy."""
-        return tuple(doubt for one in self.imported for doubt in one.doubts)
+        return tuple(in_python(doubt) for one in self.imported for doubt in one.doubts)
 
     def __repr__(self) -> str:
         return f"<ImportResult {', '.join(repr(one) for one in self.recordings)}>"
@@ -174,4 +175,12 @@ def import_file(path: str | Path, wish: Wish | None = None, *, gauge_length_mm: 
         )
     if gauge_length_mm is not None:
         given = replace(given, gauge_length_mm=gauge_length_mm)
-    return ImportResult(tuple(from_file.import_file(existing_file(path), given)))
+    try:
+        return imported(path, given)
+    except UserError as error:
+        raise UserError(in_python(str(error))) from None
+
+
+def imported(path: str | Path, wish: Wish) -> ImportResult:
+    """As `import_file`, whose messages name the options of the command line."""
+    return ImportResult(tuple(from_file.import_file(existing_file(path), wish)))

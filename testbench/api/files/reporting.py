@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from gcode.support.errors import UserError
 from gcode.support.html import card
-from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, opened
+from testbench.api.arguments import AnyModel, Effects, Source, as_recording, catalogue_of, model_file_of
 from testbench.api.missing.diagnosing import DiagnosisResult, diagnosis_data
 from testbench.recordings.recording import Recording
 from testbench.report.build import Inputs, build_report
@@ -126,8 +126,8 @@ def make_report(
     catalogue = catalogue_of(effects)
     recorded, found = _several(recordings), _several(diagnoses)
     given = Inputs(
-        recordings=tuple(opened(one, gauge_length_mm) for one in recorded),
-        held_out=None if held_out is None else opened(held_out, gauge_length_mm),
+        recordings=tuple(as_recording(one, gauge_length_mm) for one in recorded),
+        held_out=None if held_out is None else as_recording(held_out, gauge_length_mm),
         model=None if model is None else model_file_of(model, catalogue),
         model_name=str(model) if isinstance(model, str | Path) else "model",
         catalogue=catalogue,

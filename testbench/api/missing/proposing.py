@@ -11,7 +11,7 @@ from gcode.support.errors import UserError
 from gcode.support.figures import picture
 from gcode.support.files import check_place, write_text
 from gcode.support.html import card, frame_table
-from gcode.support.kinds import whole
+from gcode.support.kinds import instance, whole
 from testbench import proposing as core
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
 from testbench.api.models.model_result import ModelResult
@@ -186,7 +186,7 @@ def propose(
     """
     most = whole("most: laws to find", most, 1)
     catalogue = catalogue_of(effects)
-    check_names(name, f"{name}.py", catalogue.effects, most)
+    check_names(instance("name", name, str), f"{name}.py", catalogue.effects, most)
     file = None if model is None else model_file_of(model, catalogue)
     first, held, _ = recordings_for(model, file, recording, held_out, gauge_length_mm)
     with telling(progress) as tell:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from copy import deepcopy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from gcode.support.figures import picture
 from gcode.support.html import card, frame_table
+from gcode.support.read_only import free_copy
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
 from testbench.api.models.model_result import ModelResult
 from testbench.api.models.overlay import plot_overlay
@@ -53,7 +53,7 @@ class FitResult(ModelResult):
     def errors(self) -> dict[str, dict[str, float]]:
         """RMS errors in N and ln S: ``calibration``, ``held_out``, ``noise_floor``, each by channel."""
         last = self.file.history[-1]
-        return deepcopy({**last["errors"], "noise_floor": last["noise_floor"]})
+        return free_copy({**last["errors"], "noise_floor": last["noise_floor"]})
 
     @property
     def notes(self) -> list[str]:
@@ -72,7 +72,7 @@ class FitResult(ModelResult):
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready form: the model, its parameters with their errors, and the history of its errors."""
-        return {"model": self.model.to_dict(), "fit": deepcopy(self.file.fit), "history": self.ladder.to_dict()}
+        return {"model": self.model.to_dict(), "fit": free_copy(self.file.fit), "history": self.ladder.to_dict()}
 
     def to_frame(self) -> pd.DataFrame:
         """As `parameters`."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from copy import deepcopy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +11,7 @@ import numpy as np
 from gcode.support.errors import UserError
 from gcode.support.figures import panels, picture
 from gcode.support.html import card, frame_table
+from gcode.support.read_only import free_copy
 from testbench.api.arguments import AnyModel, Effects, catalogue_of, model_file_of
 from testbench.comparing.model_errors import channel_name
 from testbench.comparing.tables import ladder_rows, ladder_table
@@ -53,7 +53,7 @@ class Ladder:
 
     def to_dict(self) -> list[dict[str, Any]]:
         """The history, JSON-ready: step, model, errors in N and in ln S, noise floor."""
-        return [deepcopy(dict(step)) for step in self.file.history]
+        return free_copy(list(self.file.history))
 
     def to_frame(self) -> pd.DataFrame:
         """A row a step and channel: ``step``, ``channel``, ``unit``, three errors and ``fall`` (a share)."""

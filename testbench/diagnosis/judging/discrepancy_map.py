@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from testbench.comparing.freeform import features
-from testbench.fitting.evidence.evidence import maximised, opened
+from testbench.fitting.evidence.evidence import maximised, switched_on
 from testbench.fitting.evidence.hypothesis import Hypothesis, tail
 from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.knit.effect import FloatArray
@@ -49,7 +49,7 @@ def mapped(h: Hypothesis, likelihood: Likelihood) -> Map:
     group = len(own) + np.concatenate([np.array(groups) + place * len(names) for place in range(len(channels))])
     plain = replace(h.pinned, least=likelihood.misfit)  # a closer fit earns a map nothing, either
     without = maximised(plain, scale=own, sigma=sigma)
-    scale = np.r_[opened(own), np.full(len(names) * len(channels), SMALL)]
+    scale = np.r_[switched_on(own), np.full(len(names) * len(channels), SMALL)]
     bigger = plain.extended(base, rows, np.zeros(len(precision)), precision, group)
     found = maximised(bigger, scale=scale, sigma=sigma)
     gains, tails = {}, 0.0

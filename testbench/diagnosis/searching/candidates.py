@@ -135,10 +135,10 @@ def _grid_of(extra: Mapping[str, object], measurement: Measurement) -> list[floa
 def _strengths(law: type[Effect]) -> list[float]:
     field = law.model_fields[law.strength]
     extra = bounds_of(field)
-    typical = float(field.default) or 0.1 * float(extra["high"])
+    strength = float(field.default) or 0.1 * float(extra["high"])
     if law.nonlinear:
-        return [float(np.clip(share * typical, extra["low"], extra["high"])) for share in MAGNITUDES]
-    return [0.1 * abs(typical)]
+        return [float(np.clip(share * strength, extra["low"], extra["high"])) for share in MAGNITUDES]
+    return [0.1 * abs(strength)]
 
 
 def two_signed(law: type[Effect]) -> bool:

@@ -97,10 +97,10 @@ class Fits:
         return max(found, like, key=evidence_of)
 
     def quickly(
-        self, model: KnitModel, like: Hypothesis, believed: Mapping[str, tuple[float, float]] | None = None
+        self, model: KnitModel, like: Hypothesis, known_priors: Mapping[str, tuple[float, float]] | None = None
     ) -> Hypothesis:
         """A model fitted in a few steps, with the sensitivities of a neighbour; see `fitted`."""
-        return fitted(model, self.compared, self.reference, like, QUICK_STEPS, quick=True, believed=believed)
+        return fitted(model, self.compared, self.reference, like, QUICK_STEPS, quick=True, known_priors=known_priors)
 
     def at_rest(self, h: Hypothesis) -> Hypothesis:
         """A model fitted in full, refitted until nothing is gained; at first with shapes as free as without data.

@@ -10,10 +10,10 @@ import numpy as np
 from testbench.diagnosis.judging.entries import Proposal
 from testbench.diagnosis.searching.candidates import Candidate, candidate_mechanisms, expand, is_vector, two_signed
 from testbench.fitting.evidence.directions import Directions
-from testbench.fitting.evidence.evidence import LogEvidence, Rows, is_on, maximised, opened
+from testbench.fitting.evidence.evidence import LogEvidence, Rows, is_on, maximised, switched_on
 from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.fitting.evidence.likelihood import Likelihood
-from testbench.fitting.evidence.priors import declared_size, tail_evidence, typical, with_tails
+from testbench.fitting.evidence.priors import declared_size, tail_evidence, typical_strength, with_tails
 from testbench.fitting.parameters import shape_scales
 from testbench.knit.cache import SimulationCache
 from testbench.knit.catalogue import Catalogue
@@ -78,7 +78,7 @@ class Screen:
     def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood) -> None:
         scale, sigma, weighted = hypothesis.evidence.scale, hypothesis.evidence.sigma, hypothesis.weighted
         information = hypothesis.normal.information(sigma)
-        self.directions = Directions.seen(weighted, information, hypothesis.priors, opened(scale))
+        self.directions = Directions.seen(weighted, information, hypothesis.priors, switched_on(scale))
         self.base = {c: self.directions.rows(rows) for c, rows in weighted.items()}
         self.normal, self.robust = self.directions.normal(hypothesis.normal), hypothesis.robust
         self.plain = maximised(self.normal, scale=scale, sigma=sigma)
@@ -143,14 +143,20 @@ class Screen:
         first, count = law.candidates[0], len(law.candidates)
         said = declared_size(type(first.effect), first.effect.strength)
         precision = (first.strength / said) ** 2 if said else ANY_WEIGHT
-        found = self.evidence(rows, 0.0, precision, 0, iterations=12, typical=bool(said))
+        found = self.evidence(rows, 0.0, precision, 0, iterations=12, is_typical=bool(said))
         weights = tuple(float(a) * first.strength for a in found.coefficients[-count:])
         effect = first.effect.near(**{first.effect.strength: weights})
         gain = found.value - self.plain.value
         return Proposal(law.mechanism, first.law, effect, gain, self.room_made(found, count))
 
     def evidence(
-        self, rows: Rows, mean: float, precision: float, group: int, iterations: int = 6, typical: bool = False
+        self,
+        rows: Rows,
+        mean: float,
+        precision: float,
+        group: int,
+        iterations: int = 6,
+        is_typical: bool = False,
     ) -> LogEvidence:
         """Evidence of the model with more columns, all with one prior.
 
@@ -158,7 +164,7 @@ class Screen:
         ----------
         group : int
             0: the scale of the new columns is found by evidence; -1: it is as declared.
-        typical : bool
+        is_typical : bool
             `precision` is that of their typical size, and the scale has Cauchy's prior around it.
 
         Returns
@@ -170,9 +176,9 @@ class Screen:
         number = -1 if group < 0 else len(start.scale)
         priors = [mean] * count, [precision] * count, [number] * count
         bigger = self.normal.extended(self.base, rows, *priors)
-        if typical:
-            bigger = replace(bigger, typical=bigger.typical | {number})
-        scale = start.scale if group < 0 else np.r_[opened(start.scale), 1.0]
+        if is_typical:
+            bigger = replace(bigger, typical_groups=bigger.typical_groups | {number})
+        scale = start.scale if group < 0 else np.r_[switched_on(start.scale), 1.0]
         return maximised(bigger, scale=scale, iterations=iterations, sigma=start.sigma)
 
     def room_made(self, found: LogEvidence, count: int) -> FloatArray:
@@ -185,4 +191,4 @@ def amplitude_prior(candidate: Candidate, scales: Mapping[str, float]) -> tuple[
     law = type(candidate.effect)
     if candidate.from_data or law.nonlinear:
         return 1.0, 1 / OFF_THRESHOLD**2
-    return 0.0, (candidate.strength / typical(law, scales)) ** 2
+    return 0.0, (candidate.strength / typical_strength(law, scales)) ** 2

@@ -140,8 +140,8 @@ class Refits:
         own = e.hypothesis.model.effects
         rest = {name: own[name] for name in own if name == e.name or not (whole or acts_on_force(own[name]))}
         model = KnitModel(dict(sorted((taken | rest).items(), key=lambda item: item[1].stage)))
-        believed = {a: prior for a, prior in best.hypothesis.priors.believed.items() if parts_of(a)[0] in taken}
-        return e.refitted(self.fits.quickly(model, e.hypothesis, believed))
+        known_priors = {a: prior for a, prior in best.hypothesis.priors.by_address.items() if parts_of(a)[0] in taken}
+        return e.refitted(self.fits.quickly(model, e.hypothesis, known_priors))
 
     def swapped(self, best: Entry) -> list[Entry]:
         """The other laws of a mechanism in the place of its best one, as strong as that, refitted quickly."""

@@ -38,7 +38,7 @@ class NormalEquations:
         Prior of the coefficients.
     group : ndarray of int, shape (q - 1,)
         Which group's scale a coefficient shares; -1: its precision is as declared.
-    typical : frozenset of int
+    typical_groups : frozenset of int
         Groups whose declared width is a typical size: their standard deviation has Cauchy's prior of that scale. The
         size of the others is for the data to say.
     still : ndarray of int
@@ -52,7 +52,7 @@ class NormalEquations:
     mean: FloatArray
     precision: FloatArray
     group: np.ndarray
-    typical: frozenset[int] = frozenset()
+    typical_groups: frozenset[int] = frozenset()
     still: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
 
     def information(self, sigma: Mapping[str, float]) -> dict[str, float]:
@@ -146,11 +146,11 @@ def maximised(
         squares = {c: max(one, normal.count * normal.least[c] ** 2) for c, one in left.items()}
         before, value = value, _log_evidence(squares, sigma, normal.count, x, mean, precision, chol)
         determined = [float(known[where].sum()) for where in members]
-        value -= _cost_of_scales(determined, scale, normal.typical)
+        value -= _cost_of_scales(determined, scale, normal.typical_groups)
         sigma = {c: np.sqrt(one / normal.count) for c, one in squares.items()}
         for g, where in enumerate(members):
             if len(where):
-                more = (1 - scale[g]) / (1 + scale[g]) if g in normal.typical else 0.0
+                more = (1 - scale[g]) / (1 + scale[g]) if g in normal.typical_groups else 0.0
                 size = max(float(declared[where] @ moved[where] ** 2), 1e-12)
                 scale[g] = np.clip(max(determined[g] + more, 1e-3) / size, SMALLEST, LARGEST)
         if abs(value - before) < 0.05:
@@ -219,12 +219,12 @@ def _beside(matrix: FloatArray, pull: FloatArray, mean: FloatArray, on: np.ndarr
     return step
 
 
-def opened(scale: FloatArray) -> FloatArray:
+def switched_on(scale: FloatArray) -> FloatArray:
     """Scales to start from in another model: what was switched off in this one may be needed there."""
     return np.minimum(scale, OPEN)
 
 
-def _cost_of_scales(known: Sequence[float], scale: FloatArray, typical: frozenset[int]) -> float:
+def _cost_of_scales(known: Sequence[float], scale: FloatArray, typical_groups: frozenset[int]) -> float:
     """What it costs, in nats, that the scales of the groups were not known but found.
 
     k coefficients that the data determine tell ln(precision) within sqrt(2 / k); a group that is switched off costs
@@ -232,7 +232,9 @@ def _cost_of_scales(known: Sequence[float], scale: FloatArray, typical: frozense
     A width is one over the prior density of ln(precision): with Cauchy's prior of a standard deviation s in typical
     sizes, s / (pi (1 + s^2)).
     """
-    widths = (np.pi * (1 + scale[g]) / np.sqrt(scale[g]) if g in typical else ANY_SIZE for g in range(len(known)))
+    widths = (
+        np.pi * (1 + scale[g]) / np.sqrt(scale[g]) if g in typical_groups else ANY_SIZE for g in range(len(known))
+    )
     return sum(
         float(np.log1p(width * np.sqrt(max(k, 0.0) / (4 * np.pi)))) for width, k in zip(widths, known, strict=True)
     )

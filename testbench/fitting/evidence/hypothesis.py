@@ -118,9 +118,9 @@ class Hypothesis:
         found = self._covariance(self.normal)
         held = np.flatnonzero(self.normal.precision == HELD)
         if len(held):
-            believed = self.normal.precision.copy()
-            believed[held] = self.priors.precision_at(self.vector)[held]
-            free = self._covariance(replace(self.normal, precision=believed))
+            precision = self.normal.precision.copy()
+            precision[held] = self.priors.precision_at(self.vector)[held]
+            free = self._covariance(replace(self.normal, precision=precision))
             found[held, held] = free[held, held]
         return found
 
@@ -183,33 +183,33 @@ def own_part(h: Hypothesis, name: str, likelihood: Likelihood) -> tuple[dict[str
     base = [p for p in itertools.compress(h.priors.parameters, h.held) if p.place[0] in bare]
     without, columns = sensitivities(bare, base, measurement, SimulationCache())
     weights = np.flatnonzero([p.place[0] in SHAPES for p in h.priors.parameters])
-    believed = np.sqrt(h.priors.scaled(h.evidence.scale)[weights])
+    per_prior_sd = np.sqrt(h.priors.scaled(h.evidence.scale)[weights])
     own, whole = {}, {}
     for channel, here in measurement.modelled(h.model).items():
         change = likelihood.picked(here - without[channel], channel)
         laws = likelihood.picked(columns[channel], channel)
         shapes = h.columns[channel][weights + 1]
         noise = h.evidence.sigma[channel] / np.sqrt(likelihood.share)
-        own[channel] = trimmed_rms(change - imitated(change, laws, shapes, noise * believed))
+        own[channel] = trimmed_rms(change - imitated(change, laws, shapes, noise * per_prior_sd))
         whole[channel] = trimmed_rms(change - np.median(change))
     return own, whole
 
 
-def imitated(change: FloatArray, laws: FloatArray, shapes: FloatArray, believed: FloatArray) -> FloatArray:
+def imitated(change: FloatArray, laws: FloatArray, shapes: FloatArray, noise_over_prior: FloatArray) -> FloatArray:
     """A change as far as it can be followed, shape (k,): by any step of `laws`, by likely weights of `shapes`.
 
     Parameters
     ----------
     laws, shapes : ndarray, shape (p, k) and (q, k)
         Sensitivities.
-    believed : ndarray, shape (q,)
+    noise_over_prior : ndarray, shape (q,)
         Noise of a sample over the standard deviation that is believed of a weight.
     """
     laws, answers = laws[laws.any(axis=1)], shapes.any(axis=1)  # those of the other channel say nothing here
     laws = laws / np.sqrt(np.mean(laws**2, axis=1, keepdims=True))
     left = np.vstack((change, laws))
     if answers.any():
-        weights = shapes[answers] / believed[answers, None]
+        weights = shapes[answers] / noise_over_prior[answers, None]
         factor = cho_factor(np.eye(len(weights)) + weights @ weights.T)
         left = left - cho_solve(factor, weights @ left.T).T @ weights  # what likely weights do not follow
     steps = np.linalg.lstsq(left[1:] @ laws.T, left[1:] @ change, rcond=1e-12)[0]

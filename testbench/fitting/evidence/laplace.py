@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from testbench.fitting import constants
 from testbench.fitting.downhill import UP, downhill, within
-from testbench.fitting.evidence.evidence import NormalEquations, maximised, opened, scaled
+from testbench.fitting.evidence.evidence import NormalEquations, maximised, scaled, switched_on
 from testbench.fitting.evidence.hypothesis import Hypothesis, laws_still, pinned, rms, tail
 from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.fitting.evidence.linearised import Linearised
@@ -34,7 +34,7 @@ def fitted(
     like: Hypothesis | None = None,
     iterations: int = constants.ITERATIONS,
     quick: bool = False,
-    believed: Mapping[str, tuple[float, float]] | None = None,
+    known_priors: Mapping[str, tuple[float, float]] | None = None,
     free: Callable[[str], bool] = lambda address: True,
     progress: Callable[[str], None] | None = None,
 ) -> Hypothesis:
@@ -53,7 +53,7 @@ def fitted(
         At most; 0 keeps the point and finds the scales.
     quick : bool
         Keep the sensitivities of the shapes' weights as they are there: nearly right, and ten times cheaper.
-    believed : mapping of address to (mean, standard deviation), optional
+    known_priors : mapping of address to (mean, standard deviation), optional
         Priors of some parameters, other than those declared.
     free : callable
         Whether to fit the parameter of this address.
@@ -66,7 +66,7 @@ def fitted(
         The model where the search came to rest, with its log evidence.
     """
     with threadpool_limits(1, "blas"):  # matrices are small: threads wait for each other longer than they work
-        known = {**(like.priors.believed if like else {}), **(believed or {})}
+        known = {**(like.priors.by_address if like else {}), **(known_priors or {})}
         priors = priors_of(model, likelihood.measurement, reference, known, free)
         return _PosteriorFit(model, likelihood, priors, reference, like, quick).run(
             iterations, progress or (lambda _text: None)
@@ -125,7 +125,7 @@ class _PosteriorFit(Linearised):
             evidence = maximised(normal, iterations=3, scale=self.scale)
             if rested:
                 # What was switched off on the way may be needed where the search has come to.
-                again = maximised(normal, iterations=12, scale=opened(self.scale))
+                again = maximised(normal, iterations=12, scale=switched_on(self.scale))
                 evidence = max(evidence, again, key=lambda one: one.value)
             self.scale = evidence.scale
             # The linear model promises more than the next step keeps: a promise must make no outlier of a sample.

@@ -122,8 +122,8 @@ class Likelihood:
             Standard deviation; see `law_error_of`.
         """
         weight, floor = {}, {}
-        for channel, typical in self.floor.items():
-            noise = typical / self.weight[channel]
+        for channel, white in self.floor.items():
+            noise = white / self.weight[channel]
             total = np.hypot(noise, error.get(channel, 0.0))
             weight[channel] = float(np.mean(total**-2.0) ** -0.5) / total
             floor[channel] = float(np.sqrt(np.mean((noise * weight[channel]) ** 2)))

@@ -8,7 +8,7 @@ import numpy as np
 
 from testbench.fitting.downhill import huber, huber_weight
 from testbench.fitting.evidence.directions import Directions
-from testbench.fitting.evidence.evidence import NormalEquations, opened
+from testbench.fitting.evidence.evidence import NormalEquations, switched_on
 from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.fitting.evidence.priors import Priors
@@ -55,7 +55,7 @@ class Linearised:
         self.model, self.x = model, self.parameters.point_of(model)
         self.single, self.held = priors.group < 0, np.zeros(len(self.x), bool)
         scales = like.scales if like else {}
-        self.scale = opened(np.array([scales.get(name, 1.0) for name in priors.groups]))
+        self.scale = switched_on(np.array([scales.get(name, 1.0) for name in priors.groups]))
         self.columns = {c: np.zeros((len(self.x) + 1, len(likelihood.rows))) for c in likelihood.measurement.channels}
         self.new = self.taken_over(like) if like else list(range(len(self.x)))
         self.stale = True  # whether the directions must be found anew
@@ -132,14 +132,14 @@ class Linearised:
         products = {c: self.products[c].beside(rows, robust[c]) for c, rows in self.rows.items()}
         # A direction belongs to a whole vector: no weight of it can stay alone.
         held = self.held & self.single
-        return self._equations(products, *self.directions.priors(*self._believed(held)))
+        return self._equations(products, *self.directions.priors(*self._prior_of_step(held)))
 
     def robust(self, rows: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Square roots of the Huber weights."""
         z = {c: np.abs(values[0]) / self.sigma[c] for c, values in rows.items()}
         return {c: np.sqrt(huber_weight(one)) for c, one in z.items()}
 
-    def _believed(self, held: np.ndarray) -> tuple[FloatArray, FloatArray]:
+    def _prior_of_step(self, held: np.ndarray) -> tuple[FloatArray, FloatArray]:
         """Mean and precision of the prior of the step from here; parameters that are held make none."""
         mean = np.where(held, 0.0, self.priors.mean - self.x)
         return mean, np.where(held, HELD, self.priors.precision_at(self.x))
@@ -147,11 +147,11 @@ class Linearised:
     def all_normal(self, robust: Mapping[str, FloatArray]) -> NormalEquations:
         """The normal equations of all parameters, whatever directions the data see."""
         products = {c: gram(rows, robust[c]) for c, rows in self.columns.items()}
-        return self._equations(products, *self._believed(self.held), self.priors.group)
+        return self._equations(products, *self._prior_of_step(self.held), self.priors.group)
 
     def _equations(
         self, products: Mapping[str, FloatArray], mean: FloatArray, precision: FloatArray, group: np.ndarray
     ) -> NormalEquations:
         likelihood = self.likelihood
-        counts, typical = (likelihood.count, likelihood.share, likelihood.least), self.priors.typical
-        return NormalEquations(products, *counts, mean, precision, group, typical)
+        counts, typical_groups = (likelihood.count, likelihood.share, likelihood.least), self.priors.typical_groups
+        return NormalEquations(products, *counts, mean, precision, group, typical_groups)

@@ -30,7 +30,7 @@ class Priors:
         Weights of one vector share a scale that the evidence finds; -1: as declared.
     groups : tuple of str
         Address of each group.
-    typical : frozenset of int
+    typical_groups : frozenset of int
         Groups of which an effect says how large they usually are.
     """
 
@@ -40,10 +40,10 @@ class Priors:
     tails: np.ndarray
     group: np.ndarray
     groups: tuple[str, ...]
-    typical: frozenset[int]
+    typical_groups: frozenset[int]
 
     @property
-    def believed(self) -> dict[str, tuple[float, float]]:
+    def by_address(self) -> dict[str, tuple[float, float]]:
         """Mean and standard deviation by address."""
         return {p.address: (m, w**-0.5) for p, m, w in zip(self.parameters, self.mean, self.precision, strict=True)}
 
@@ -91,7 +91,7 @@ def priors_of(
     scales = shape_scales(measurement)
     parameters = FreeParameters(p for p in free_parameters(model, scales) if free(p.address))
     groups: list[str] = []
-    believed, group, tails = [], [], []
+    gaussians, group, tails = [], [], []
     for p in parameters:
         name, _, key = p.address.partition(".")
         vector, _, index = p.address.partition("[")
@@ -99,18 +99,18 @@ def priors_of(
             groups.append(vector)
         group.append(groups.index(vector) if index else -1)
         if p.address in known:
-            believed.append(known[p.address])
+            gaussians.append(known[p.address])
         elif index:
-            believed.append((0.0, _size_of_vector(model, vector) or p.width))
+            gaussians.append((0.0, _size_of_vector(model, vector) or p.width))
         elif name in reference and _has_scale(type(model[name]), key):
-            believed.append(declared(type(model[name]), key, scales))
+            gaussians.append(declared(type(model[name]), key, scales))
         elif name in reference and type(reference[name]) is type(model[name]):
-            believed.append((p.to_fit(value_of(reference, p)), p.width))
+            gaussians.append((p.to_fit(value_of(reference, p)), p.width))
         else:
-            believed.append(declared(type(model[name]), key, scales))
+            gaussians.append(declared(type(model[name]), key, scales))
         is_strength = key == model[name].strength and name not in reference
-        tails.append(is_strength and believed[-1][0] == 0)
-    mean, width = np.array(believed).reshape(-1, 2).T
+        tails.append(is_strength and gaussians[-1][0] == 0)
+    mean, width = np.array(gaussians).reshape(-1, 2).T
     said = frozenset(g for g, vector in enumerate(groups) if _size_of_vector(model, vector))
     strengths, number = np.array(tails, bool), np.array(group, int)
     return Priors(parameters, mean, width**-2.0, strengths, number, tuple(groups), said)
@@ -145,7 +145,7 @@ def declared(effect: type[Effect], key: str, scales: Mapping[str, float]) -> tup
     if extra["scale"] == "log":
         return float(np.log(default)), max(float(np.log(high / low)) / 4, 0.5)
     if key == effect.strength:
-        return 0.0, typical(effect, scales)
+        return 0.0, typical_strength(effect, scales)
     return default, extra["typical"] or (high - low) / 4
 
 
@@ -154,7 +154,7 @@ def _has_scale(effect: type[Effect], key: str) -> bool:
     return key == effect.strength or bool(declared_size(effect, key))
 
 
-def typical(effect: type[Effect], scales: Mapping[str, float]) -> float:
+def typical_strength(effect: type[Effect], scales: Mapping[str, float]) -> float:
     """Typical size of an effect's strength: as declared, or on the scale of this sensor's force or resistance."""
     extra = bounds_of(effect.model_fields[effect.strength])
     said = declared_size(effect, effect.strength)

@@ -29,9 +29,9 @@ SPEED_RATE_HZ = 20.0
 
 def conductance_scale(conductance_S: FloatArray) -> tuple[float, str]:
     """Factor and unit that give readable numbers: S, mS, µS or nS."""
-    typical = float(np.median(np.abs(conductance_S)))
+    middle_S = float(np.median(np.abs(conductance_S)))
     for factor, unit in ((1.0, "S"), (1e3, "mS"), (1e6, "µS")):
-        if typical * factor >= 0.5:
+        if middle_S * factor >= 0.5:
             return factor, unit
     return 1e9, "nS"
 

@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 
+from gcode.support.errors import UserError
+from gcode.support.kinds import number
 from testbench.rig.acquisition.sink import Sink
 from testbench.rig.acquisition.watchdog import Watchdog
 from testbench.rig.connection.parts import Accepted, Chunk, End, Lost, Part
@@ -34,6 +36,13 @@ class Limits:
 
     max_force_N: float = float("inf")
     max_strain: float = float("inf")
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not number(name, value) > 0:  # NaN is none: nothing is ever beyond it
+                raise UserError(
+                    f"{name} must be a positive number, got {value!r}; leave it out where there is no limit"
+                )
 
 
 @dataclass

@@ -28,6 +28,8 @@ def stated_port(url: str) -> str:
     UserError
         For any other kind of URL.
     """
+    if not isinstance(url, str) or not url:
+        raise UserError(f"port: must be {ALLOWED}, got {url!r}")
     if "://" not in url:
         return url
     kind, _, rest = url.partition("://")

@@ -21,7 +21,7 @@ from testbench.studio.importing.raw_lines import raw_table
 from testbench.studio.jobs.job import Job, State
 from testbench.studio.parts.address import Address, address
 from testbench.studio.parts.fields import check, number_field, typed_path
-from testbench.studio.parts.job_card import job_card
+from testbench.studio.parts.job_card import job_card, join_newest
 from testbench.studio.parts.widgets import (
     aside,
     attempt,
@@ -37,6 +37,7 @@ from testbench.studio.studio import Studio
 
 LARGEST_BYTES = 2_000_000_000
 REASONS = "(entries) => emit(entries.map(one => [one.failedPropValidation, one.file.name]))"
+FILE = 2  # in the command line of an import
 KINDS = ".csv,.txt,.tsv,.dat,.asc,.raw,.xlsx,.xlsm,.tdms"
 
 
@@ -93,6 +94,10 @@ class _Form:
     def __init__(self, studio: Studio, where: Address) -> None:
         self.studio, self.where = studio, where
         self.upload: tempfile.TemporaryDirectory | None = None
+        self.before = _result_column()  # what came of an import before this page was read anew
+        join_newest(
+            self.before, studio, "import", partial(self._ended, self.before), partial(self._show, self.before)
+        )
         self.holder = ui.column().classes("w-full gap-4")
         self.job: Job | None = None
         self.seen: Seen | None = None
@@ -150,7 +155,7 @@ class _Form:
             for field in fields:
                 field.on_value_change(self._note)
         ui.button("Import", icon="check", on_click=self._import)
-        self.result = ui.column().classes("w-full gap-3").props("aria-live=polite")
+        self.result = _result_column()
 
     def _note(self) -> None:
         """Keep what was chosen in the address; an upload has none that could be opened again."""
@@ -200,12 +205,13 @@ class _Form:
             if argv:
                 title = f"Importing {self.choices.path.name}"
                 self.job = self.studio.jobs.start(f"import:{self.name.value}", title, argv)
-                job_card(self.studio, self.job, self._ended)
-        self._show_result()
+                job_card(self.studio, self.job, partial(self._ended, self.result))
+        _bring_into_view(self.result)
 
     def _import_command(self) -> list[str]:
         """The command that imports; empty where something is missing, which is said until it is there."""
         self.result.clear()
+        self.before.clear()
         try:
             check(self.gauge, *self.columns.numbers)
             argv = self._command(self.name.value)
@@ -225,40 +231,46 @@ class _Form:
             raise UserError(f"{TITLES[first]}: {still_to_say(choice, first)}")
         return self.choices.command(self.studio.workspace.free_name(name), set(choice.taken))
 
-    def _ended(self, job: Job) -> None:
+    def _ended(self, holder: ui.column, job: Job) -> None:
         """Go to the recording; stay where there is something to be read first."""
         if job.state is State.FAILED:
-            self.result.clear()
-            with self.result:
-                trouble(page_words(job.problem.replace(f"{self.choices.path}: ", "")))
-            self._show_result()
-        if job.state is not State.DONE:
-            return
-        self.forget_upload()
+            holder.clear()
+            with holder:
+                trouble(page_words(job.problem.replace(f"{job.argv[FILE]}: ", "")))
+        elif job.state is State.DONE:
+            self.forget_upload()
+            made = job.latest["recordings"]
+            if len(made) == 1 and not made[0]["doubts"]:
+                ui.navigate.to(self._address(made[0]))
+                return
+            holder.clear()
+            self._show(holder, job)
+        _bring_into_view(holder)
+
+    def _show(self, holder: ui.column, job: Job) -> None:
+        """What came of an import: what looks wrong, and the way to each recording."""
         made = job.latest["recordings"]
         doubts = [f"{Path(one['out']).name}: {doubt}" for one in made for doubt in one["doubts"]]
-        if not doubts and len(made) == 1:
-            ui.navigate.to(self._address(made[0]))
-            return
-        self.result.clear()
-        with self.result:
+        with holder:
             for doubt in doubts:
                 trouble(page_words(doubt))
             if doubts:
-                ui.label("Import it again under another name with this changed, or leave it as it is.").classes(
-                    "quiet"
-                )
+                words = "Import it again under another name with this changed, or leave it as it is."
+                ui.label(words).classes("quiet")
             with ui.row():
                 for one in made:
                     label = f"Open {Path(one['out']).name}"
                     ui.button(label, on_click=partial(ui.navigate.to, self._address(one))).props("outline")
 
-        self._show_result()
-
-    def _show_result(self) -> None:
-        """Bring what came of the import to where the eye is."""
-        with self.result:
-            ui.run_javascript(f"getHtmlElement({self.result.id}).scrollIntoView({{block: 'end'}})")
-
     def _address(self, made: dict[str, Any]) -> str:
         return address("/recording", c=self.studio.workspace.name_of(Path(made["out"])))
+
+
+def _result_column() -> ui.column:
+    return ui.column().classes("w-full gap-3").props("aria-live=polite")
+
+
+def _bring_into_view(result: ui.column) -> None:
+    """Bring what came of the import to where the eye is."""
+    with result:
+        ui.run_javascript(f"getHtmlElement({result.id}).scrollIntoView({{block: 'end'}})")

@@ -16,7 +16,7 @@ from testbench.report.words import duration_in_words
 from testbench.studio.jobs.job import Job, State
 from testbench.studio.parts.address import Address
 from testbench.studio.parts.fields import asked, check, keep_in, number_field, typed
-from testbench.studio.parts.job_card import join_newest, open_campaign_of, start_in
+from testbench.studio.parts.job_card import join_newest, offer_campaign_of, open_campaign_of, start_in
 from testbench.studio.parts.picture import plot
 from testbench.studio.parts.widgets import aside, attempt, download_button, facts, guarded, heading, subheading
 from testbench.studio.studio import Studio
@@ -181,14 +181,19 @@ def _run_form(studio: Studio, folder: Path, program: str) -> None:
             seed = number_field("Seed of noise", 1, whole=True)
             name = ui.input("Campaign name", value=f"pes-{program}").props("outlined dense").style("min-width:300px")
         sensor.on_value_change(lambda event: name.set_value(f"{event.value}-{program}"))
-        holder = ui.column().classes("w-full")
+        holder, ended = ui.column().classes("w-full"), partial(open_campaign_of, studio)
 
         def start() -> None:
             check(seed)
             target = studio.workspace.free_name(name.value)
             argv = ["testbench", "run", "--sensor", sensor.value, "--program", str(folder / "program.tap")]
             argv += ["--seed", str(int(seed.value)), "--progress-json", "-o", str(target)]
-            done = partial(open_campaign_of, studio)
-            start_in(holder, studio, f"run:{name.value}", f"Running {name.value}", argv, done)
+            start_in(holder, studio, f"run:{name.value}", f"Running {name.value}", argv, ended)
 
         ui.button("Run", icon="play_arrow", on_click=lambda: attempt(start)).props("unelevated")
+        of_this = partial(_plays, folder / "program.tap")
+        join_newest(holder, studio, "run", ended, partial(offer_campaign_of, studio), of_this)
+
+
+def _plays(program: Path, job: Job) -> bool:
+    return str(program) in job.argv

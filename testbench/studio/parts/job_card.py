@@ -18,7 +18,7 @@ from testbench.studio.jobs.pace import duration_in_words
 from testbench.studio.parts.address import address
 from testbench.studio.studio import Studio
 
-SHOWN_S = 300.0  # what failed is still said for so long
+SHOWN_S = 300.0  # what came of a job is still said for so long
 
 
 def job_card(studio: Studio, job: Job, on_end: Callable[[Job], Awaitable[None] | None] | None = None) -> None:
@@ -42,15 +42,46 @@ def start_in(
 
 
 def join_newest(
-    holder: ui.column, studio: Studio, kind: str, on_end: Callable[[Job], Awaitable[None] | None]
+    holder: ui.column,
+    studio: Studio,
+    kind: str,
+    on_end: Callable[[Job], Awaitable[None] | None],
+    done: Callable[[Job], None] | None = None,
+    about: Callable[[Job], bool] = lambda _job: True,
 ) -> None:
-    """Show the newest job of a kind where it runs, or has failed a short while ago: the page was read anew."""
-    job = next((job for job in reversed(studio.jobs.jobs) if job.key.partition(":")[0] == kind), None)
-    if job is None or job.state not in (State.RUNNING, State.FAILED):
+    """Show the newest job of a kind where it runs, or what came of it a short while ago: the page was read anew.
+
+    Parameters
+    ----------
+    holder : ui.column
+        Where to show it.
+    studio : Studio
+    kind : str
+        What its key begins with.
+    on_end : callable
+        As of `job_card`; called at once where it has failed.
+    done : callable, optional
+        Shows, in `holder`, a job that had ended well before; default: nothing is shown of it.
+    about : callable
+        Whether a job is one that this page shows.
+    """
+    jobs = (job for job in reversed(studio.jobs.jobs) if job.key.partition(":")[0] == kind and about(job))
+    job = next(jobs, None)
+    if job is None or not (job.running or time.monotonic() - (job.ended_s or 0.0) < SHOWN_S):
         return
-    if job.running or time.monotonic() - (job.ended_s or 0.0) < SHOWN_S:
-        with holder:
+    with holder:
+        if job.state in (State.RUNNING, State.FAILED):
             job_card(studio, job, on_end)
+        elif job.state is State.DONE and done is not None:
+            done(job)
+
+
+def offer_campaign_of(studio: Studio, job: Job) -> None:
+    """A job that has ended well, and the way to the campaign that it has written."""
+    name = studio.workspace.name_of(Path(job.argv[-1]))
+    with ui.row().classes("card items-center gap-3").props("role=status"):
+        ui.label(f"{job.title}: done after {job.elapsed_s:.1f} s").classes("quiet text-sm")
+        ui.button(f"Open {name}", on_click=lambda: open_campaign_of(studio, job)).props("outline")
 
 
 def open_campaign_of(studio: Studio, job: Job) -> None:

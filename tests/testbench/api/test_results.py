@@ -354,3 +354,14 @@ def test_a_program_is_taken_in_every_form_and_nothing_else(tmp_path):
     for function in (gcode.check, gcode.play):
         with pytest.raises(tb.UserError, match="or what `generate` made, got int"):
             function(7)
+
+
+def test_what_a_fit_and_a_diagnosis_say_stays():
+    fit, found = fitted(), diagnosed()
+    some = [fit.file.fit, fit.file.fit["parameters"], fit.file.history[0], found.diagnosis.probabilities]
+    some += [found.diagnosis.error_before, found.diagnosis.noise_floor]
+    for mapping in some:
+        with pytest.raises(TypeError, match="not changed in place"):
+            mapping["nothing"] = 0.0
+    found.to_dict()["found"][0]["effect"] = "nothing"
+    assert found.diagnosis.found[0].effect != "nothing"

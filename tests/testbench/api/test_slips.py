@@ -10,7 +10,7 @@ import pytest
 
 import gcode
 import testbench as tb
-from testbench.api.arguments import opened
+from testbench.api.arguments import as_recording
 
 TIMES = {"time_s": [0, 1, 2], "displacement_mm": [0, 1, 0]}
 SLIPS = {
@@ -272,7 +272,7 @@ def test_a_coordinate_that_is_none_is_refused_with_those_there_are():
 
 def test_the_gauge_length_that_a_recording_has_may_be_said_again():
     recording = tb.example(duration_s=20)
-    assert opened(recording, 25) is opened(recording, None, usual_mm=30) is recording
+    assert as_recording(recording, 25) is as_recording(recording, None, usual_mm=30) is recording
 
 
 def test_values_without_a_name_are_a_sentence(tmp_path):

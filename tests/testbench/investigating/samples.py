@@ -42,7 +42,7 @@ class Believing:
         return Belief(shares, "missing", likely, READING)
 
 
-def believed(monkeypatch, *chances: float) -> Believing:
+def scripted_belief(monkeypatch, *chances: float) -> Believing:
     """Puts a table of beliefs in the place of the diagnosis; they are told as they are, with no doubt in evidence."""
     believing = Believing(*chances)
     monkeypatch.setattr(loop, "belief_after", believing)
@@ -54,7 +54,7 @@ def investigated(
     folder: Path, monkeypatch, chances: Sequence[float], bench=None, resume: bool = False, **changes
 ) -> tuple[Investigation, Believing]:
     """An investigation from start to end, or from where one is."""
-    believing = believed(monkeypatch, *chances)
+    believing = scripted_belief(monkeypatch, *chances)
     if not resume:
         loop.begin(folder, asked(**changes), "sample")
     return loop.proceed(folder, bench or SimulatedBench(hidden()), CATALOGUE), believing

@@ -61,7 +61,7 @@ def planned_percent(folder, number: int) -> float:
 
 
 def test_an_alarm_is_not_met_for_ever(tmp_path, monkeypatch, rig):
-    folder, asked = tmp_path / "i", {"force_max_N": MOST_N, "motion": "perlin"}
+    folder, asked = tmp_path / "i", {"max_force_N": MOST_N, "motion": "perlin"}
     with pytest.raises(UserError, match="planned anew then, with less strain"):
         investigated(folder, monkeypatch, [], rig, **asked)
     first = planned_percent(folder, 1)
@@ -96,7 +96,7 @@ def test_where_nothing_is_left_to_plan_it_says_so_and_keeps_the_recording(tmp_pa
 def test_killed_before_the_recording_is_set_aside_it_is_set_aside_once_more(tmp_path, monkeypatch, rig):
     folder = tmp_path / "i"
     with pytest.raises(UserError, match="alarm"):
-        investigated(folder, monkeypatch, [], rig, force_max_N=MOST_N, motion="perlin")
+        investigated(folder, monkeypatch, [], rig, max_force_N=MOST_N, motion="perlin")
     state = json.loads((folder / NAME).read_text())
     (folder / NAME).write_text(json.dumps(state | {"runs": []}))
     with pytest.raises(UserError, match="alarm"):
@@ -113,7 +113,7 @@ def test_where_the_device_sent_no_force_the_same_motion_is_recorded_anew(tmp_pat
         Plan, "wire_lines", lambda self, motion: list(replace(self.rig(motion).readings(), force_uN=None).lines())
     )
     with pytest.raises(UserError, match="connect the load cell"):
-        investigated(folder, monkeypatch, [], deaf, force_max_N=1e3, motion="perlin")
+        investigated(folder, monkeypatch, [], deaf, max_force_N=1e3, motion="perlin")
     program = (program_folder(folder, 1) / "program.tap").read_bytes()
     monkeypatch.setattr(Plan, "wire_lines", lines_of)
     ended, _ = investigated(folder, monkeypatch, [0.99], deaf, resume=True)

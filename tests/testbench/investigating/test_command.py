@@ -14,7 +14,7 @@ from testbench.investigating import loop
 from testbench.investigating.state import NAME
 from testbench.knit.catalogue import load_catalogue
 from tests.testbench.builders import own_effect
-from tests.testbench.investigating.samples import SET, believed, hidden
+from tests.testbench.investigating.samples import SET, hidden, scripted_belief
 
 BRIEF = ["--run-minutes", "2", "--budget-minutes", "4", "--trials", "1", "--rest-s", "5", "--quiet"]
 
@@ -28,7 +28,7 @@ def sensor(tmp_path) -> str:
 
 
 def test_a_sure_one_ends_with_0_and_a_spent_one_with_1_and_both_are_kept(tmp_path, sensor, monkeypatch, capsys):
-    believed(monkeypatch, 0.6, 0.99)
+    scripted_belief(monkeypatch, 0.6, 0.99)
     folder, out = tmp_path / "i", tmp_path / "out.json"
     assert main(["investigate", sensor, "-o", str(folder), *BRIEF, "--json", str(out)]) == 0
     said = capsys.readouterr().out
@@ -38,7 +38,7 @@ def test_a_sure_one_ends_with_0_and_a_spent_one_with_1_and_both_are_kept(tmp_pat
     assert json.loads(out.read_text()) == json.loads((folder / NAME).read_text())
     for number in (1, 2):
         assert (folder / f"belief-{number}.png").read_bytes().startswith(b"\x89PNG")
-    believed(monkeypatch, 0.6, 0.7)
+    scripted_belief(monkeypatch, 0.6, 0.7)
     assert main(["investigate", sensor, "-o", str(tmp_path / "j"), *BRIEF, "--motion", "perlin"]) == 1
     said = capsys.readouterr().out
     assert "run 1, 2.0 min: random motion" in said
@@ -49,7 +49,7 @@ def test_a_sure_one_ends_with_0_and_a_spent_one_with_1_and_both_are_kept(tmp_pat
 
 
 def test_the_result_shows_itself(tmp_path, monkeypatch):
-    believed(monkeypatch, 0.6, 0.99)
+    scripted_belief(monkeypatch, 0.6, 0.99)
     found = tb.investigate(
         hidden(), tmp_path / "i", run_minutes=2, budget_minutes=4, trials=1, rest_s=5, progress=False
     )
@@ -99,19 +99,19 @@ def test_bad_input_is_one_sentence_and_leaves_nothing(tmp_path, capsys, argv, ma
 
 
 def test_minutes_and_sureness_can_be_said_anew(tmp_path, sensor, monkeypatch):
-    believed(monkeypatch, 0.6, 0.7, 0.8)
+    scripted_belief(monkeypatch, 0.6, 0.7, 0.8)
     folder = tmp_path / "i"
     assert main(["investigate", sensor, "-o", str(folder), *BRIEF]) == 1
     on = ["investigate", "--resume", "-o", str(folder), "--quiet"]
     assert main([*on, "--sure", "0.65"]) == 0
-    believed(monkeypatch, 0.8)
+    scripted_belief(monkeypatch, 0.8)
     assert main([*on, "--sure", "0.9", "--budget-minutes", "6"]) == 1
     state = json.loads((folder / NAME).read_text())
     assert (len(state["runs"]), state["settings"]["budget_s"], state["settings"]["sure"]) == (3, 360, 0.9)
 
 
 def test_one_of_the_simulated_rig_does_not_go_on_with_a_real_sensor(tmp_path, sensor, monkeypatch, capsys):
-    believed(monkeypatch, 0.6, 0.7, 0.8)
+    scripted_belief(monkeypatch, 0.6, 0.7, 0.8)
     folder = tmp_path / "i"
     assert main(["investigate", sensor, "-o", str(folder), *BRIEF]) == 1
     assert main(["investigate", "--resume", "-o", str(folder), "--port", "/dev/null", "--quiet"]) == 2
@@ -142,7 +142,7 @@ def law(tmp_path) -> str:
 @pytest.fixture
 def starts(monkeypatch) -> list:
     """What each diagnosis starts from: the model, and whether the own effect is in the catalogue."""
-    believing, seen = believed(monkeypatch, 0.6, 0.6, 0.6, 0.6), []
+    believing, seen = scripted_belief(monkeypatch, 0.6, 0.6, 0.6, 0.6), []
 
     def spied(measurement, runs, catalogue, start=None, most=1, tell=None):
         seen.append((start and start.to_dict(), "law_x" in catalogue.effects))

@@ -11,7 +11,7 @@ from testbench.cli import main
 from testbench.investigating import loop
 from testbench.investigating.state import NAME
 from tests.fuzz.every_key import fault_of, mutants
-from tests.testbench.investigating.samples import believed, hidden
+from tests.testbench.investigating.samples import hidden, scripted_belief
 
 QUICK = 150  # mutants in the quick suite
 
@@ -24,7 +24,7 @@ def unfinished(tmp_path_factory):
     sensor.write_text(json.dumps(hidden().to_dict()))
     brief = ["--run-minutes", "2", "--budget-minutes", "4", "--trials", "1", "--rest-s", "5", "--quiet"]
     with pytest.MonkeyPatch.context() as patch:
-        believed(patch, 0.6, 0.99)
+        scripted_belief(patch, 0.6, 0.99)
         assert main(["investigate", str(sensor), "-o", str(folder), *brief]) == 0
     state = json.loads((folder / NAME).read_text())
     shutil.rmtree(folder / "plan-2")
@@ -37,7 +37,7 @@ def faults(unfinished, place, monkeypatch, most: int = 1_000_000) -> list[str]:
     folder, state = unfinished
     found = []
     for mutant in mutants(state, most=most):
-        believed(monkeypatch, 0.99, 0.99)
+        scripted_belief(monkeypatch, 0.99, 0.99)
         shutil.rmtree(place, ignore_errors=True)
         shutil.copytree(folder, place)
         (place / NAME).write_text(mutant.text)

@@ -20,7 +20,7 @@ from testbench.measurements.preparing import prepare
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems
 from tests.testbench.builders import CATALOGUE
-from tests.testbench.investigating.samples import SET, SLIP, asked, believed, hidden, investigated
+from tests.testbench.investigating.samples import SET, SLIP, asked, hidden, investigated, scripted_belief
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +67,7 @@ def test_it_ends_where_the_time_is_spent(tmp_path, monkeypatch):
 
 
 def test_where_one_model_alone_is_left_a_random_motion_goes_on(tmp_path, monkeypatch):
-    believing = believed(monkeypatch, 0.6, 0.99)
+    believing = scripted_belief(monkeypatch, 0.6, 0.99)
 
     def of_one_model(*given):
         belief = believing(*given)
@@ -203,7 +203,7 @@ def test_one_that_has_ended_is_not_run_again(one_run, monkeypatch):
 
 
 def test_it_can_be_stopped_between_steps(tmp_path, monkeypatch):
-    believed(monkeypatch, 0.5, 0.99)
+    scripted_belief(monkeypatch, 0.5, 0.99)
     loop.begin(tmp_path / "i", asked(), "sample")
     asked_for = iter([False, False, False, True])
     watcher = loop.Watcher(stopped=lambda: next(asked_for))
@@ -219,7 +219,7 @@ def test_it_can_be_stopped_between_steps(tmp_path, monkeypatch):
         (lambda data: data.update(extra=1), "extra"),
         (lambda data: data["settings"].update(sure=1.5), "sure"),
         (lambda data: data["settings"]["bounds"].update(v_max_mm_per_s=-1), "v_max_mm_per_s"),
-        (lambda data: data["settings"]["bounds"].update(speed=1), "settings.bounds: known are .*, got 'speed'"),
+        (lambda data: data["settings"]["bounds"].update(speed=1), "settings: bounds: allowed are .*; got speed"),
         (lambda data: data["runs"][0]["belief"]["noise"].update(sound=1), "got 'sound'"),
         (lambda data: data["runs"][0]["belief"]["probabilities"].pop("permanent_set"), "'permanent_set' has no prob"),
         (lambda data: data["runs"].insert(0, {"words": "x", "seconds": 1}), "only the last one"),
@@ -254,7 +254,7 @@ def test_a_folder_that_is_taken_is_left_alone(tmp_path, one_run):
         ({"budget_s": 60}, "1 min are less than one run of 2 min"),
         ({"budget_s": 1e6}, "are more than 200 runs of 2 min"),
         ({"bounds": {"duration_s": 10}}, "duration_s"),
-        ({"bounds": {"duration_s": 120, "speed": 1}}, "known are a_max_mm_per_s2, .*, got 'speed'"),
+        ({"bounds": {"duration_s": 120, "speed": 1}}, "bounds: allowed are v_max_mm_per_s, .*; got speed"),
     ],
 )
 def test_what_no_run_can_be_planned_within_is_refused(changes, match):

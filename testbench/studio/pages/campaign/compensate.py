@@ -11,11 +11,13 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
+from testbench.recordings.manifest import CSV
 from testbench.report.figures import compensator_figures as figures
 from testbench.report.provenance import moment
 from testbench.report.sections import short_name
 from testbench.results.result_files import read_score
 from testbench.studio.jobs.job import Job, State
+from testbench.studio.lasting import lasts_s
 from testbench.studio.models import companions, join_running, run_in_turn
 from testbench.studio.parts.address import address
 from testbench.studio.parts.job_card import start_in
@@ -27,6 +29,9 @@ from testbench.studio.workspace import RESULTS
 TARGETS = {"force": "force", "displacement": "displacement"}
 NEEDED = {"force": {RESISTANCE, FORCE}, "displacement": {RESISTANCE, DISPLACEMENT}}
 AUTO, TUNED = "auto", "tuned"
+# What the slowest filter of a method remembers at most: `compensation score` refuses a recording that ends before.
+REMEMBERS_S, TUNED_REMEMBERS_S = 31.0, 77.0
+AT_FIRST = 4  # campaigns of the same specimen that are chosen by themselves
 NETWORKS = {
     AUTO: "auto: several, weighted by cross-validation",
     "4,2,2": "4, 2, 2 (the paper)",
@@ -84,16 +89,9 @@ def _form(studio: Studio, c: str, target: str) -> None:
         with ui.row().classes("items-center"):
             aim = ui.select(TARGETS, value=target, label="Predict").props("outlined dense").style("width:150px")
             network = ui.select(NETWORKS, value=AUTO, label="Method").props("outlined dense").style("width:280px")
-            same, rest = (_scorable(studio, names, target) for names in companions(studio, c))
-            others = [*same, *rest]
-            judged = ui.select(others, value=same[:4], multiple=True, label="Judged on").props("outlined dense")
-            judged.style("min-width:min(280px, 84vw)").props("use-chips")
-        if not others:
-            alone = (
-                f"No other campaign of this gauge length has resistance and {target}: the score will be that of the "
-                "training itself."
-            )
-            ui.label(alone).classes("quiet text-sm")
+            judging = _Judging(studio, c, target)
+            network.on_value_change(lambda event: judging.offer(event.value))
+        judging.tell_here(str(network.value))
         aim.on_value_change(lambda event: ui.navigate.to(address("/compensate", c=c, target=event.value)))
         holder = ui.column().classes("w-full")
 
@@ -105,11 +103,48 @@ def _form(studio: Studio, c: str, target: str) -> None:
             argv = ["compensation", "train", str(studio.workspace.campaign(c).folder), "--target", target]
             argv += ["--method" if network.value in (AUTO, TUNED) else "--hidden", network.value]
             argv += ["-o", str(compensator_path(studio, c, target))]
-            commands = [(f"Training on {c}", argv), ("Scoring", _scoring(studio, c, target, list(judged.value)))]
+            commands = [
+                (f"Training on {c}", argv),
+                ("Scoring", _scoring(studio, c, target, list(judging.field.value))),
+            ]
             run_in_turn(studio, key, commands, holder, ui.navigate.reload)
 
         ui.button("Train", icon="model_training", on_click=lambda: attempt(start)).props("unelevated")
         join_running(studio, key, holder, ui.navigate.reload)
+
+
+class _Judging:
+    """The campaigns that a compensator is judged on: a field, and what is to be said of those that it leaves out."""
+
+    said: ui.label
+
+    def __init__(self, studio: Studio, c: str, target: str) -> None:
+        self.target = target
+        self.same, rest = (_scorable(studio, names, target) for names in companions(studio, c))
+        self.lasts_s = {name: lasts_s(studio.workspace.campaign(name).folder / CSV) for name in [*self.same, *rest]}
+        self.field = ui.select([], value=[], multiple=True, label="Judged on").props("outlined dense use-chips")
+        self.field.style("min-width:min(280px, 84vw)")
+
+    def tell_here(self, method: str) -> None:
+        """What is left out is said here; see `offer`."""
+        self.said = ui.label().classes("quiet text-sm")
+        self.offer(method)
+
+    def offer(self, method: str) -> None:
+        """Offer those that last as long as the method remembers; what was chosen stays, at first some of the same."""
+        least_s = TUNED_REMEMBERS_S if method == TUNED else REMEMBERS_S
+        options = [name for name, span_s in self.lasts_s.items() if span_s >= least_s]
+        chosen = self.field.value if self.field.options else self.same
+        kept = [name for name in chosen if name in options]
+        self.field.set_options(options, value=kept if self.field.options else kept[:AT_FIRST])
+        self.said.set_text(self._words(len(options), least_s))
+
+    def _words(self, offered: int, least_s: float) -> str:
+        short = len(self.lasts_s) - offered
+        left_out = f"{short} shorter than the {least_s:.0f} s that this method may remember cannot be judged on."
+        alone = f"No other campaign of this gauge length has resistance and {self.target}"
+        alone += (" for so long" if short else "") + ": the score will be that of the training itself."
+        return " ".join([left_out] * bool(short) + [alone] * (not offered))
 
 
 def _scorable(studio: Studio, names: Sequence[str], target: str) -> list[str]:

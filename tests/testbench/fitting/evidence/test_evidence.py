@@ -192,7 +192,7 @@ def with_known_scale(normal: NormalEquations, noise: LogEvidence, factor: float)
 def test_the_scale_of_a_group_of_a_typical_size_is_the_maximum_with_cauchys_prior():
     """On a grid of scales: ln Z of the Gaussian marginal plus ln(tau / (1 + tau^2)), the density of ln(tau)."""
     free = grouped(5)
-    said = maximised(replace(free, typical=frozenset({0})), iterations=200, scale=np.ones(1))
+    said = maximised(replace(free, typical_groups=frozenset({0})), iterations=200, scale=np.ones(1))
     grid = np.geomspace(0.1, 10, 41) * said.scale[0]
     believed = [with_known_scale(free, said, factor) - np.log(factor**-0.5 + factor**0.5) for factor in grid]
     assert grid[np.argmax(believed)] == pytest.approx(said.scale[0], rel=0.13)

@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 
 from testbench.fitting.baseline import with_shapes
-from testbench.fitting.evidence.priors import declared, priors_of, tail_evidence, typical, with_tails
+from testbench.fitting.evidence.priors import declared, priors_of, tail_evidence, typical_strength, with_tails
 from testbench.fitting.parameters import value_of
 from testbench.knit.effect import bounds_of
 from testbench.measurements.preparing import prepare
@@ -22,18 +22,18 @@ SCALES = {"N": 0.8, "1": 0.3}  # a tenth of a range of 8 N
 
 
 def test_a_force_is_typically_a_tenth_of_the_range_and_friction_half_of_that():
-    assert typical(CATALOGUE["viscous_rate_stiffening"], SCALES) == pytest.approx(0.8)
-    assert typical(CATALOGUE["hysteresis"], SCALES) == pytest.approx(0.4)
+    assert typical_strength(CATALOGUE["viscous_rate_stiffening"], SCALES) == pytest.approx(0.8)
+    assert typical_strength(CATALOGUE["hysteresis"], SCALES) == pytest.approx(0.4)
 
 
 def test_a_level_of_the_resistance_is_believed_on_the_scale_of_the_sensors_own():
     measured = {**SCALES, "ohm": 2e6, "S": 5e-7}
-    assert typical(CATALOGUE["adc_saturation"], measured) == 2e6
-    assert typical(CATALOGUE["adc_saturation_high"], measured) == 5e-7
+    assert typical_strength(CATALOGUE["adc_saturation"], measured) == 2e6
+    assert typical_strength(CATALOGUE["adc_saturation_high"], measured) == 5e-7
 
 
 def test_what_an_effect_declares_as_typical_is_what_is_believed():
-    assert typical(CATALOGUE["stress_relaxation_findley"], SCALES) == 0.7  # its default is 0.4
+    assert typical_strength(CATALOGUE["stress_relaxation_findley"], SCALES) == 0.7  # its default is 0.4
 
 
 def test_a_strength_is_believed_to_be_small_wherever_the_search_starts():
