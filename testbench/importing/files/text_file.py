@@ -33,6 +33,9 @@ MOST_BROKEN = 60  # lines of a row whose quoted cells have line breaks
 HEAD_BYTES = 1 << 20
 # What may stand between names that have blanks themselves, where blanks part the numbers below them.
 BETWEEN_NAMES = (re.compile(r"\s*[,;|\t]\s*"), re.compile(r"\t+| {2,}"))
+# Arduino's monitor writes when a line came, and an arrow before what came.
+STAMPED = r"(?m)^(\d{1,2}:\d{2}:\d{2}[.,]\d{3}) ->[ \t]?"
+END_OF_TEXT = "\x1a"  # of DOS, which some loggers still write below the last row
 AFTER_A_UNIT = re.compile(r"(?<=[)\]])\s+")
 
 
@@ -45,17 +48,18 @@ class _Headed(io.TextIOBase):
         Line feeds that were read below the header.
     """
 
-    def __init__(self, header: str, stream: io.TextIOWrapper) -> None:
-        self._header, self._stream, self.breaks = f"{header}\n", stream, 0
+    def __init__(self, names: Sequence[int], separator: str, stream: io.TextIOWrapper) -> None:
+        self._header = separator.join(map(str, names)) + "\n"
+        self._separator, self._stream, self.breaks = separator, stream, 0
 
     def read(self, size: int | None = -1) -> str:
-        """The header at first, then what is in the stream."""
+        """The header at first, then what is in the stream, in whole lines."""
         if header := self._header:
             self._header = ""
             return header
-        text = self._stream.read(size)
+        text = self._stream.read(size) + self._stream.readline()
         self.breaks += text.count("\n")
-        return text
+        return _stamps_apart(text, self._separator)
 
 
 @dataclass(frozen=True)
@@ -121,7 +125,7 @@ class TextSheet(Sheet):
 
         names = list(range(max(numbers)))
         with self._opened() as stream:
-            headed = _Headed(self.separator.join(map(str, names)), stream)
+            headed = _Headed(names, self.separator, stream)
             frame = pd.read_csv(
                 headed,
                 sep=r"\s+" if self.separator == BLANKS else self.separator,
@@ -130,6 +134,7 @@ class TextSheet(Sheet):
                 names=names,
                 usecols=[number - 1 for number in numbers],
                 converters={number - 1: len for number in lengths},
+                na_values=[END_OF_TEXT],
                 skip_blank_lines=False,
                 skipinitialspace=True,
                 index_col=False,
@@ -230,6 +235,7 @@ def _head(path: Path, encoding: str | None) -> tuple[str, list[str]]:
 
 def _split(lines: Sequence[str], separator: str) -> list[list[str]]:
     """Rows of cells, one a line; below a cell with line breaks, as many empty ones."""
+    lines = [_stamps_apart(line, separator) for line in lines]
     if separator == BLANKS:
         return [_at_blanks(line) for line in lines]
     rows: list[list[str]] = []
@@ -237,6 +243,11 @@ def _split(lines: Sequence[str], separator: str) -> list[list[str]]:
         cells, count = _cells(lines[len(rows) : len(rows) + MOST_BROKEN], separator)
         rows += [cells, *([[]] * (count - 1))]
     return rows
+
+
+def _stamps_apart(text: str, separator: str) -> str:
+    """Lines of cells in which the stamp of a serial monitor is a cell of its own."""
+    return re.sub(rf"{STAMPED}(?=.*{re.escape(separator)})", rf"\1{separator}", text) if "->" in text else text
 
 
 def _at_blanks(line: str) -> list[str]:
