@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gcode.support.errors import UserError
-from gcode.support.strict import check_plain
+from gcode.support.strict import blocks_of
 from testbench.importing.files.encodings import encoding_of, is_text, known_encoding
 from testbench.importing.layout import Layout, count_numbers, find_layout, is_data, shortened
 from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
 from testbench.importing.vocabulary.notation import decimal_sign, is_number, is_when
-from testbench.recordings.csv_columns import MOST_BYTES, MOST_COLUMNS, in_words
+from testbench.recordings.csv_columns import MOST_COLUMNS, in_words
 from testbench.recordings.quoted import check_quotes
 
 if TYPE_CHECKING:
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 SEPARATORS = (",", ";", "\t", "|")
 BLANKS = " "  # any number of blanks is one separator
 MOST_BROKEN = 60  # lines of a row whose quoted cells have line breaks
-HEAD_BYTES = 1 << 20
 # What may stand between names that have blanks themselves, where blanks part the numbers below them.
 BETWEEN_NAMES = (re.compile(r"\s*[,;|\t]\s*"), re.compile(r"\t+| {2,}"))
 # Arduino's monitor writes when a line came, and an arrow before what came.
@@ -168,17 +167,12 @@ class TextSheet(Sheet):
             short = (frame[self._usual] == 0) & frame[wanted].notna().any(axis=1)
         frame = frame.astype({first: object}) if (shifted | short).any() else frame
         if shifted.any():
-            frame.loc[shifted, first] = frame[shifted].astype(str).agg(self.separator.join, axis=1) + self._too_many
+            too_many = f" (more than {len(self.layout.columns)} cells)"
+            frame.loc[shifted, first] = frame[shifted].astype(str).agg(self.separator.join, axis=1) + too_many
         if short.any():
-            frame.loc[short, first] = frame.loc[short, wanted].astype(str).agg(" ".join, axis=1).map(self._too_few)
+            came = frame.loc[short, wanted].astype(str).agg(" ".join, axis=1).str.replace(" nan", "", regex=False)
+            frame.loc[short, first] = came + f" (fewer than {self._usual} cells)"
         return frame[wanted]
-
-    @property
-    def _too_many(self) -> str:
-        return f" (more than {len(self.layout.columns)} cells)"
-
-    def _too_few(self, row: str) -> str:
-        return f"{row.replace(' nan', '')} (fewer than {self._usual} cells)"
 
 
 def open_text(path: Path, wanted: Sequence[str], hints: Hints) -> TextSheet:
@@ -214,16 +208,11 @@ def _layouts(
 
 
 def _head(path: Path, encoding: str | None) -> tuple[str, list[str]]:
-    check_plain(path, "table", MOST_BYTES)
-    try:
-        with path.open("rb") as stream:
-            raw = stream.read(HEAD_BYTES)
-    except OSError as error:
-        raise UserError(f"{path}: cannot read it: {error.strerror or error}") from None
+    raw = next(blocks_of(path, "table"), b"")
     if not raw.strip():
         raise UserError(f"{path}: the file is empty")
-    # The cut at 1 MiB may fall within a character: whole lines only.
-    whole = raw if len(raw) < HEAD_BYTES else raw[: raw.rfind(b"\n") + 1] or raw
+    # A block may end within a character: whole lines only.
+    whole = raw if len(raw) == path.stat().st_size else raw[: raw.rfind(b"\n") + 1] or raw
     encoding = known_encoding(encoding) if encoding else encoding_of(whole)
     if encoding is None:
         raise UserError(f"{path}: not a text file; export it as CSV, Excel (.xlsx) or TDMS first")
