@@ -192,7 +192,7 @@ def open_text(path: Path, wanted: Sequence[str], hints: Hints) -> TextSheet:
     separator, rows, layout = max(found, key=lambda one: _worth(one[1], one[2], wanted))
     decimal = hints.decimal_said or _decimal(path, rows, layout, separator)
     details = {"separator": separator, "decimal": decimal, "encoding": encoding.removesuffix("-sig")}
-    return TextSheet(path, rows, lines, layout, decimal, details, separator, encoding)
+    return TextSheet(path, rows, layout, decimal, details, separator, encoding)
 
 
 def _layouts(

@@ -57,7 +57,7 @@ def test_how_far_two_named_zones_lie_apart_is_not_guessed(tmp_path, other):
 @pytest.mark.parametrize("cells", ["10:00:00:{}", "10:00:0{}:12"])
 def test_what_a_third_colon_has_behind_it_is_not_guessed(tmp_path, cells):
     """Milliseconds without their noughts, or frames."""
-    with pytest.raises(UserError, match="time .*: the file does not say its unit"):
+    with pytest.raises(UserError, match=r"time .*: the file does not say its unit"):
         time_of(table(tmp_path, "Time", [cells.format(n) for n in range(4)]))
 
 
