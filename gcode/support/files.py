@@ -45,7 +45,7 @@ def atomic_path(path: str | Path, *, recorded: bool = False) -> Iterator[Path]:
     try:
         disk.DISK.close(disk.DISK.create(temporary))
         yield temporary
-        with _growing(temporary) as handle:
+        with disk.growing(temporary) as handle:
             disk.DISK.sync(handle)
         disk.DISK.rename(temporary, path)
         disk.sync_quietly(path.parent)
@@ -167,18 +167,8 @@ def write_bytes(path: str | Path, data: bytes, *, recorded: bool = False) -> Non
 @contextlib.contextmanager
 def atomic_writer(path: str | Path, *, recorded: bool = False) -> Iterator[Callable[[bytes], None]]:
     """Yield a function that writes the next bytes of a file; `path` becomes that file when the block ends well."""
-    with atomic_path(path, recorded=recorded) as temporary, _growing(temporary) as handle:
+    with atomic_path(path, recorded=recorded) as temporary, disk.growing(temporary) as handle:
         yield lambda data: disk.write_all(handle, data)
-
-
-@contextlib.contextmanager
-def _growing(path: Path) -> Iterator[int]:
-    """A file that is there, open to append to."""
-    handle = disk.DISK.grow(path)
-    try:
-        yield handle
-    finally:
-        disk.DISK.close(handle)
 
 
 def write_text(path: str | Path, text: str) -> None:

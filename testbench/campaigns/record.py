@@ -173,11 +173,11 @@ def record(
                 job.gauge_length_mm,
                 job.limits,
                 job.motion.duration_s,
-                ending,
-                report,
-                job.give_up_s,
-                pause,
-                follow,
+                is_over=ending,
+                report=report,
+                disk_patience_s=job.give_up_s,
+                pause=pause,
+                follow=follow,
             )
             with Syncer(sink):
                 status = recorder.run(link, stopped)

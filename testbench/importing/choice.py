@@ -130,25 +130,22 @@ def choose(layout: Layout, rows: Sequence[Sequence[str]], said: Said) -> Choice:
     return choice
 
 
-def check_used(choice: Choice, said: Said) -> None:
-    """Refuse what a person said of a role that no column is taken for: it would be left out in silence.
-
-    Raises
-    ------
-    UserError
-        If there is such a unit, clock or rate.
-    """
+def idle_words(choice: Choice, said: Said) -> str:
+    """What a person said of what no column is taken for, in words, since it would be left out; or nothing."""
     alike = {role: {one for one in ROLES if UNIT_FLAGS[one] == UNIT_FLAGS[role]} for role in said.units}
     idle = [UNIT_FLAGS[role] for role, those in alike.items() if not those & set(choice.taken)]
     idle += [f"--time-of {role}=" for role in said.clocks if role not in choice.taken]
     if idle:
         taken = "; ".join(f"{role}: {one.column.label}" for role, one in choice.taken.items())
-        raise UserError(f"{idle[0]} is of what no column is taken for ({taken or 'none is'}); leave it out")
+        return f"{idle[0]} is of what no column is taken for ({taken or 'none is'}); leave it out"
     if said.has_rate and "time" in choice.taken:
-        raise UserError(
+        return (
             f"--rate-hz is of a file without times, and {choice.taken['time'].column.label} is taken for them; leave "
             "--rate-hz or --time out"
         )
+    if said.has_r0 and not any(role.startswith("relative") for role in choice.taken):
+        return "--rest-ohm is R0 of a relative resistance, of which no column is taken; leave it out"
+    return ""
 
 
 def _unused(choice: Choice, layout: Layout) -> tuple[Column, ...]:

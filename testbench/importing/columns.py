@@ -18,12 +18,12 @@ from testbench.importing.vocabulary.headings import read_heading
 from testbench.importing.vocabulary.laboratory_units import OURS, Unit, conversion
 from testbench.importing.vocabulary.notation import (
     is_number,
-    is_unclear_day,
     is_when,
     may_be_thousands,
     numbers,
     seconds,
     seconds_of_days,
+    why_unclear,
 )
 
 if TYPE_CHECKING:
@@ -154,9 +154,8 @@ def previewed(sheet: Sheet, choice: Choice, thousands: str | None = None) -> dic
             words[role] = "dates and times, in seconds from the first" if is_date else ""
             continue
         values, _ = numbers(pd.Series(cells, dtype="string"), sheet.decimal, thousands)
-        good = values[np.isfinite(values) & (values != 0)]
         there = np.isfinite(values).any()
-        words[role] = conversion(_example(good), one.unit) if there else "no number at the top of the file"
+        words[role] = conversion(_example(values), one.unit) if there else "no number at the top of the file"
     return words
 
 
@@ -195,8 +194,8 @@ def _note(read: Read, column: Column, cells, wrong: int | None, kind: str, decim
         return
     name, cell = column.heading.text or column.label, str(cells.iloc[wrong])
     remedy = "--drop-bad leaves such rows out"
-    if not decimal and is_unclear_day(cell):
-        remedy = "which of its numbers is the day and which the month cannot be told; write dates as 2026-03-01"
+    if not decimal:
+        remedy = why_unclear(cell) or remedy
     if decimal and may_be_thousands(cell, decimal):
         mark = "," if decimal == "." else "."
         remedy = f"if {mark!r} parts thousands, say --thousands {mark}; if it is the decimal sign, --decimal {mark}"
@@ -204,17 +203,17 @@ def _note(read: Read, column: Column, cells, wrong: int | None, kind: str, decim
 
 
 def _in_words(one: Taken, values: np.ndarray) -> str:
-    """``column 4 'Widerstand' in kΩ (row 2): 439.377 kΩ read as 439 377 Ω``, of the first value that is not 0."""
+    """``column 4 'Widerstand' in kΩ (row 2): 439.377 kΩ read as 439 377 Ω``."""
     assert one.unit is not None
-    good = values[np.isfinite(values) & (values != 0)]
     text = f"{one.column.label} in {one.unit.symbol} ({one.unit_from})"
     if one.unit.symbol == "1":
         text = f"{one.column.label}, a ratio ({one.unit_from})"
-    return text if one.unit.symbol == OURS[one.unit.quantity] else f"{text}: {conversion(_example(good), one.unit)}"
+    return text if one.unit.symbol == OURS[one.unit.quantity] else f"{text}: {conversion(_example(values), one.unit)}"
 
 
 def _example(values: np.ndarray) -> float:
-    return float(values[0]) if values.size else 0.0
+    """The first value that is not 0, if there is one."""
+    return float(next(iter(values[np.isfinite(values) & (values != 0)]), 0.0))
 
 
 def on_main_clock(sheet: Sheet, read: Read, time_s: np.ndarray, labels: Mapping[str, str], sort: bool) -> np.ndarray:

@@ -13,10 +13,10 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from gcode.support.files import sha256_of
-from testbench.importing.choice import ELECTRICAL, FLAGS, NAMED, Choice, check_used, choose
+from testbench.importing.choice import ELECTRICAL, FLAGS, NAMED, Choice, choose, idle_words
 from testbench.importing.columns import Read, on_main_clock, read_columns
 from testbench.importing.files.opening import open_sheet
-from testbench.importing.gauge import gauge_doubt
+from testbench.importing.gauge import gauge_doubts
 from testbench.importing.imported import Imported
 from testbench.importing.layout import Column, misfit
 from testbench.importing.rows import channels_of, check_change, in_order, mostly_one_gap, repeats_of, usable
@@ -80,17 +80,11 @@ def import_file(path: Path, wish: Wish) -> list[Imported]:
     if choice.troubles:
         first = sheet.head[sheet.layout.first_row - 1]
         raise UserError(f"{path}: {in_words(choice.troubles, sheet.layout, first)}")
-    try:
-        check_used(choice, wish.said())
-    except UserError as error:
-        raise UserError(f"{path}: {error}") from None
+    if idle := idle_words(choice, wish.said()):
+        raise UserError(f"{path}: {idle}")
     if wish.gauge_length_mm is None and STRETCH & set(choice.taken):
         raise UserError(
             f"{path}: the gauge length is not known: say --gauge-length-mm, the length between the clamps at rest"
-        )
-    if wish.r0_ohm is not None and not any(role.startswith("relative") for role in choice.taken):
-        raise UserError(
-            f"{path}: --rest-ohm is R0 of a relative resistance, of which no column is taken; leave it out"
         )
     read = read_columns(sheet, choice, wish.hints.thousands)
     if read.wrong and not wish.drop_bad:
@@ -177,8 +171,7 @@ def _recorded(
     check(str(path), when_s - when_s[0], picked, gauge_mm, lambda place: f"row {numbers_of[index[place]]}")
     recording = Recording(when_s - when_s[0], picked, gauge_mm, str(path))
     done = Imported(recording, label, int((~kept).sum()), moved, repeated, float(when_s[0]), dict(read.words))
-    strained = gauge_doubt(sheet, choice, read, wish.gauge_length_mm)
-    done.doubts = [*_doubts(choice, recording, wish), *([strained] if strained else [])]
+    done.doubts = [*_doubts(choice, recording, wish), *gauge_doubts(sheet, choice, read, wish.gauge_length_mm)]
     done.doubts += mostly_one_gap(when_s, numbers_of[index])
     done.notes = [*choice.notes, *told, *_remarks(choice, recording, wish)]
     done.details = _details(sheet, choice, wish, done)

@@ -13,13 +13,14 @@ APART = 0.02  # relative; a gauge length is measured with a ruler
 ALIKE = 0.999  # correlation of the two; below it, the strain is that of something else
 
 
-def gauge_doubt(sheet: Sheet, choice: Choice, read: Read, gauge_length_mm: float | None) -> str:
-    """What speaks against the gauge length; empty where nothing does.
+def gauge_doubts(sheet: Sheet, choice: Choice, read: Read, gauge_length_mm: float | None) -> list[str]:
+    """What speaks against the gauge length, a sentence for each column of strain that is of another one.
 
     A strain without a unit may be a ratio or %.
     """
     if "displacement" not in choice.taken or not gauge_length_mm:
-        return ""
+        return []
+    doubts = []
     moved_mm = read.values["displacement"]
     for column in choice.unused:
         if "strain" not in dict(column.heading.roles):
@@ -31,10 +32,10 @@ def gauge_doubt(sheet: Sheet, choice: Choice, read: Read, gauge_length_mm: float
         lengths_mm = [length_mm / factor for factor in factors]
         if length_mm and min(abs(one / gauge_length_mm - 1) for one in lengths_mm) > APART:
             said = " or ".join(f"{one:.4g} mm" for one in lengths_mm)
-            return (
+            doubts.append(
                 f"{column.label} is that of a gauge length of {said}, and --gauge-length-mm says {gauge_length_mm:g}"
             )
-    return ""
+    return doubts
 
 
 def _slope(strain: np.ndarray, moved_mm: np.ndarray) -> float:

@@ -73,8 +73,6 @@ class Sheet:
     path : Path
     head : sequence of rows of cells
         Its first `HEAD_ROWS` rows.
-    lines : sequence of str
-        The same rows as they stand in the file.
     layout : Layout
     decimal : str
     details : dict
@@ -83,7 +81,6 @@ class Sheet:
 
     path: Path
     head: Sequence[Sequence[str]]
-    lines: Sequence[str]
     layout: Layout
     decimal: str
     details: dict[str, Any]

@@ -71,11 +71,11 @@ class Beam:
                     if coordinate.name in KINETICS:
                         yield from self.multiplied(place, plain, values, x)
                         continue
-                    yield place, self.changing(plain), values
+                    yield place, changing(plain), values
                     yield from self.bent(place, plain, values, x)
                     for term, more in self.remembering(plain, x):
                         yield place, term, values | more
-                        yield place, self.changing(term), values | more
+                        yield place, changing(term), values | more
                         yield from self.sized(place, term, values | more)
 
     def remembering(self, term: Term, x: FloatArray) -> Iterator[tuple[Term, dict[str, float]]]:
@@ -85,31 +85,27 @@ class Beam:
         for one in OPERATORS.values():
             if one.kind == "memory" and name in SIGNAL_ONLY.get(one.name, {name}):
                 for values in self.grid.points(one.slots, x, one.name):
-                    yield self.with_operator(term, one, len(term.operators), x), values
+                    yield with_operator(term, one, x), values
 
     def bent(self, place: Place, plain: Term, values: dict[str, float], x: FloatArray):
         """A coordinate through every bend: what is even, or sharp, leaves no trace in its straight line."""
         for one in OPERATORS.values():
             if one.kind == "bend" and fits(plain, one, 0, x):
                 for more in self.grid.points(one.slots, x, one.name):
-                    yield place, self.with_operator(plain, one, 0, x), values | more
+                    yield place, with_operator(plain, one, x), values | more
 
     def multiplied(self, place: Place, plain: Term, values: dict[str, float], x: FloatArray):
         """A coordinate times what it may act on: a state often changes a force by a share, not by an amount."""
         factors = [one for one in OPERATORS.values() if one.kind == "factor" and not one.slots]
         for one in factors:
             if set(one.reads) <= self.readable[place.name] and fits(plain, one, 0, x):
-                yield place, self.with_operator(plain, one, 0, x), values
-
-    def changing(self, term: Term) -> Term:
-        """The term times the time: the base has curves and loops of any shape, so that only their growth shows."""
-        return self.with_operator(term, OPERATORS["growing"], len(term.operators), None)
+                yield place, with_operator(plain, one, x), values
 
     def sized(self, place: Place, term: Term, values: Mapping[str, float]):
         """The term without its sign (its size, its square), where it has one."""
-        if term.coordinate.signed and term.memory not in ("dead band",):
-            yield place, self.with_operator(term, OPERATORS["size"], len(term.operators), None), values
-            yield place, self.with_operator(term, OPERATORS["square"], len(term.operators), None), values
+        if term.coordinate.signed and term.memory != "dead band":
+            yield place, with_operator(term, OPERATORS["size"]), values
+            yield place, with_operator(term, OPERATORS["square"]), values
 
     # --- growth ---
 
@@ -132,16 +128,9 @@ class Beam:
             for one in OPERATORS.values():
                 if one.name in has or not set(one.reads) <= readable or not fits(term, one, at, x):
                     continue
-                grown = self.with_operator(term, one, at, x)
+                grown = with_operator(term, one, x, at)
                 for more in self.grid.points(one.slots, x, one.name):
                     yield law.place, grown, values | more
-
-    def with_operator(self, term: Term, one: Operator, at: int, x: FloatArray | None) -> Term:
-        """The term with an operator put in."""
-        size = rounded(usual_size(x)) if x is not None and "{size}" in one.code else 1.0
-        operators = (*term.operators[:at], one, *term.operators[at:])
-        sizes = (*term.sizes[:at], size, *term.sizes[at:])
-        return replace(term, operators=operators, sizes=sizes)
 
     # --- scores ---
 
@@ -222,6 +211,19 @@ class Beam:
         best = minimize(lambda point: costs(point[None])[0], start, method="Nelder-Mead", options=options)
         then = self.at(law.place, law.term, _outward(slots, best.x, law.values, self.grid))
         return max(found, then, key=lambda one: one.gain)
+
+
+def with_operator(term: Term, one: Operator, x: FloatArray | None = None, at: int | None = None) -> Term:
+    """The term with an operator that acts on `x` put in, at the end or before operator number `at`."""
+    at = len(term.operators) if at is None else at
+    size = rounded(usual_size(x)) if x is not None and "{size}" in one.code else 1.0
+    operators = (*term.operators[:at], one, *term.operators[at:])
+    return replace(term, operators=operators, sizes=(*term.sizes[:at], size, *term.sizes[at:]))
+
+
+def changing(term: Term) -> Term:
+    """The term times the time: the base has curves and loops of any shape, so that only their growth shows."""
+    return with_operator(term, OPERATORS["growing"])
 
 
 def _numbers(law: Law) -> tuple[object, ...]:

@@ -162,14 +162,10 @@ class Projector:
         gain[good] = part.gains(changes, explained[good], self.count)
         return gain - 0.5 * np.log(left * sd**2), amount
 
-    def score(self, place: Place, z: FloatArray) -> Score:
-        """Score of a law with this `z`, shape (n,), at a place."""
-        gains, strengths = self.scores(place, z[None])
-        return Score(float(gains[0]), float(strengths[0]))
-
     def of_law(self, law: Law) -> Score:
         """Score of a law with the parameters that it has."""
-        return self.score(law.place, self.z(law))
+        gains, strengths = self.scores(law.place, self.z(law)[None])
+        return Score(float(gains[0]), float(strengths[0]))
 
     def z(self, law: Law) -> FloatArray:
         """z of a law on the whole grid, shape (n,)."""

@@ -5,15 +5,16 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Container, Iterable
+from collections.abc import Container, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gcode.support.errors import UserError
-from gcode.support.strict import check_plain, read_bytes
+from gcode.support.strict import blocks_of, check_plain, read_bytes
 from testbench.recordings.channels import UNITS
+from testbench.recordings.quoted import check_quotes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -58,7 +59,7 @@ def read_frame(path: Path, growing: bool = False) -> pd.DataFrame:
     Raises
     ------
     UserError
-        If the file is empty or is not comma-separated, or has numbers in a column without a name.
+        If the file is empty or is not comma-separated, or has numbers in a column without a name or within a cell.
     """
     import pandas as pd
 
@@ -74,6 +75,9 @@ def read_frame(path: Path, growing: bool = False) -> pd.DataFrame:
     except OSError as error:
         raise UserError(f"{path}: cannot read it: {error.strerror or error}") from None
     _check_named(path, frame)
+    if any(b'"' in block for block in blocks_of(path, "recording")):
+        with path.open(encoding="utf-8-sig") as stream:
+            check_quotes(path, stream, ",", 1, _has_numbers)
     return frame.rename(columns=str.strip)
 
 
@@ -125,6 +129,10 @@ def _parsed(column: pd.Series) -> pd.Series:
         return pd.to_numeric(column, errors="coerce")
     except OverflowError:
         return column.map(_as_float).astype(float)
+
+
+def _has_numbers(cells: Sequence[str]) -> bool:
+    return sum(not np.isnan(_as_float(cell)) for cell in cells) > 1
 
 
 def _as_float(cell: object) -> float:

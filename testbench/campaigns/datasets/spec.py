@@ -7,10 +7,9 @@ from math import isfinite
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
-from gcode.support.errors import UserError, first_problem
-from gcode.support.strict import StrictModel, read_toml
+from gcode.support.strict import StrictModel, read_toml, validated
 from testbench.recordings.instruments import Instruments
 from testbench.rig.simulation.past import DEFAULT_REST_S
 
@@ -120,8 +119,4 @@ def read_spec(path: Path) -> DatasetSpec:
     UserError
         If it is not TOML, or an entry is wrong; the message names it.
     """
-    data = read_toml(path)
-    try:
-        return DatasetSpec.model_validate(data)
-    except ValidationError as error:
-        raise UserError(f"{path}: {first_problem(error)}") from None
+    return validated(read_toml(path), DatasetSpec, path, "spec")

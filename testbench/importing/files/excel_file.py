@@ -83,9 +83,8 @@ def open_excel(path: Path, wanted: Sequence[str], hints: Hints) -> ExcelSheet:
     name, (head, layout, rows) = next(iter(found.items()))
     body = rows[layout.first_row - 1 :]
     layout = replace(layout, columns=tuple(_as_meant(column, body) for column in layout.columns))
-    lines = ["\t".join(cells) for cells in head]
     decimal = hints.decimal_said or _decimal(path, body[:HEAD_ROWS])
-    return ExcelSheet(path, head, lines, layout, decimal, {"sheet": name, "decimal": decimal}, rows)
+    return ExcelSheet(path, head, layout, decimal, {"sheet": name, "decimal": decimal}, rows)
 
 
 def _as_meant(column: Column, rows: Sequence[list[Any]]) -> Column:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 MOST_WORDS = 200  # of what npTDMS objects to
+Clock = tuple[float, float, np.datetime64 | None, int]  # step and offset in s, start, samples
 _UNIT_PROPERTIES = ("unit_string", "NI_UnitDescription", "Unit", "unit")
 
 
@@ -50,8 +51,7 @@ def open_tdms(path: Path, hints: Hints) -> TdmsSheet:
     layout = find_layout(head, (), 1, 2)
     if layout is None:
         raise UserError(f"{path}: no channel of it holds numbers")
-    lines = ["\t".join(cells) for cells in head]
-    return TdmsSheet(path, head, lines, layout, ".", {"group": hints.sheet or ""}, columns)
+    return TdmsSheet(path, head, layout, ".", {"group": hints.sheet or ""}, columns)
 
 
 def _cell(column: np.ndarray, row: int) -> str:
@@ -89,7 +89,7 @@ def _side_by_side(channels: Sequence[Any]) -> tuple[list[str], list[str], list[n
     names: list[str] = []
     units: list[str] = []
     columns: list[np.ndarray] = []
-    last_clock: tuple[Any, ...] | None = None
+    last_clock: Clock | None = None
     starts = [start for start in (_start(channel) for channel in channels) if start is not None]
     for channel in channels:
         values = np.asarray(channel[:])
@@ -99,7 +99,7 @@ def _side_by_side(channels: Sequence[Any]) -> tuple[list[str], list[str], list[n
         if clock is not None and clock != last_clock:
             names.append("Time")
             units.append("s")
-            columns.append(_times_s(channel, min(starts, default=None)))
+            columns.append(_times_s(clock, min(starts, default=None)))
             last_clock = clock
         names.append(channel.name)
         units.append(_unit(channel))
@@ -116,15 +116,15 @@ def _start(channel: Any) -> np.datetime64 | None:
     return None if start is None else np.datetime64(start)
 
 
-def _clock(channel: Any) -> tuple[Any, ...] | None:
-    """Step, offset, start and length of a waveform; None where the channel is none."""
+def _clock(channel: Any) -> Clock | None:
+    """The clock of a waveform; None where the channel is none."""
     step_s = channel.properties.get("wf_increment")
     if not step_s:
         return None
     return float(step_s), float(channel.properties.get("wf_start_offset", 0.0)), _start(channel), len(channel)
 
 
-def _times_s(channel: Any, first: np.datetime64 | None) -> np.ndarray:
-    step_s, offset_s, start, count = _clock(channel) or (1.0, 0.0, None, len(channel))
+def _times_s(clock: Clock, first: np.datetime64 | None) -> np.ndarray:
+    step_s, offset_s, start, count = clock
     later_s = 0.0 if start is None or first is None else (start - first) / np.timedelta64(1, "s")
     return later_s + offset_s + step_s * np.arange(count)

@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gcode.support.errors import UserError
-from gcode.support.strict import check_plain
+from gcode.support.strict import blocks_of
 from testbench.importing.files.encodings import encoding_of, is_text, known_encoding
-from testbench.importing.files.quoted import hidden_rows
-from testbench.importing.layout import Layout, find_layout, is_data, shortened
+from testbench.importing.layout import Layout, count_numbers, find_layout, is_data, shortened
 from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
 from testbench.importing.vocabulary.notation import decimal_sign, is_number, is_when
-from testbench.recordings.csv_columns import MOST_BYTES, MOST_COLUMNS, in_words
+from testbench.recordings.csv_columns import MOST_COLUMNS, in_words
+from testbench.recordings.quoted import check_quotes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,9 +30,11 @@ if TYPE_CHECKING:
 SEPARATORS = (",", ";", "\t", "|")
 BLANKS = " "  # any number of blanks is one separator
 MOST_BROKEN = 60  # lines of a row whose quoted cells have line breaks
-HEAD_BYTES = 1 << 20
 # What may stand between names that have blanks themselves, where blanks part the numbers below them.
 BETWEEN_NAMES = (re.compile(r"\s*[,;|\t]\s*"), re.compile(r"\t+| {2,}"))
+# Arduino's monitor writes when a line came, and an arrow before what came.
+STAMPED = r"(?m)^(\d{1,2}:\d{2}:\d{2}[.,]\d{3}) ->[ \t]?"
+END_OF_TEXT = "\x1a"  # of DOS, which some loggers still write below the last row
 AFTER_A_UNIT = re.compile(r"(?<=[)\]])\s+")
 
 
@@ -45,17 +47,18 @@ class _Headed(io.TextIOBase):
         Line feeds that were read below the header.
     """
 
-    def __init__(self, header: str, stream: io.TextIOWrapper) -> None:
-        self._header, self._stream, self.breaks = f"{header}\n", stream, 0
+    def __init__(self, names: Sequence[int], separator: str, stream: io.TextIOWrapper) -> None:
+        self._header = separator.join(map(str, names)) + "\n"
+        self._separator, self._stream, self.breaks = separator, stream, 0
 
     def read(self, size: int | None = -1) -> str:
-        """The header at first, then what is in the stream."""
+        """The header at first, then what is in the stream, in whole lines."""
         if header := self._header:
             self._header = ""
             return header
-        text = self._stream.read(size)
+        text = self._stream.read(size) + self._stream.readline()
         self.breaks += text.count("\n")
-        return text
+        return _stamps_apart(text, self._separator)
 
 
 @dataclass(frozen=True)
@@ -121,7 +124,7 @@ class TextSheet(Sheet):
 
         names = list(range(max(numbers)))
         with self._opened() as stream:
-            headed = _Headed(self.separator.join(map(str, names)), stream)
+            headed = _Headed(names, self.separator, stream)
             frame = pd.read_csv(
                 headed,
                 sep=r"\s+" if self.separator == BLANKS else self.separator,
@@ -130,13 +133,15 @@ class TextSheet(Sheet):
                 names=names,
                 usecols=[number - 1 for number in numbers],
                 converters={number - 1: len for number in lengths},
+                na_values=[END_OF_TEXT],
                 skip_blank_lines=False,
                 skipinitialspace=True,
                 index_col=False,
                 low_memory=False,
             )
-        if headed.breaks > len(frame):
-            self._check_quotes()
+        if headed.breaks > len(frame):  # some cell goes over several lines
+            with self._opened() as stream:
+                check_quotes(self.path, stream, self.separator, self.layout.first_row, _has_numbers)
         return frame.set_axis(numbers, axis=1)
 
     def _opened(self) -> io.TextIOWrapper:
@@ -145,17 +150,6 @@ class TextSheet(Sheet):
         for _ in range(self.layout.first_row - 1):  # pandas would count a cell with line breaks as one line
             stream.readline()
         return stream
-
-    def _check_quotes(self) -> None:
-        """Some cell goes over several lines; refuse one that hides rows of numbers."""
-        with self._opened() as stream:
-            hidden = hidden_rows(stream, self.separator)
-        if hidden:
-            begin, end = (place + self.layout.first_row for place in hidden)
-            raise UserError(
-                f"{self.path}: a quotation mark in row {begin} is closed only in row {end}, so the rows between are "
-                "one cell and no rows of numbers; take out the marks that quote nothing (inches, noise)"
-            )
 
     def _marked(self, frame: pd.DataFrame, wanted: list[int]) -> pd.DataFrame:
         """The `wanted` columns, in which a row whose cells may stand in columns that are not theirs is no number.
@@ -173,17 +167,12 @@ class TextSheet(Sheet):
             short = (frame[self._usual] == 0) & frame[wanted].notna().any(axis=1)
         frame = frame.astype({first: object}) if (shifted | short).any() else frame
         if shifted.any():
-            frame.loc[shifted, first] = frame[shifted].astype(str).agg(self.separator.join, axis=1) + self._too_many
+            too_many = f" (more than {len(self.layout.columns)} cells)"
+            frame.loc[shifted, first] = frame[shifted].astype(str).agg(self.separator.join, axis=1) + too_many
         if short.any():
-            frame.loc[short, first] = frame.loc[short, wanted].astype(str).agg(" ".join, axis=1).map(self._too_few)
+            came = frame.loc[short, wanted].astype(str).agg(" ".join, axis=1).str.replace(" nan", "", regex=False)
+            frame.loc[short, first] = came + f" (fewer than {self._usual} cells)"
         return frame[wanted]
-
-    @property
-    def _too_many(self) -> str:
-        return f" (more than {len(self.layout.columns)} cells)"
-
-    def _too_few(self, row: str) -> str:
-        return f"{row.replace(' nan', '')} (fewer than {self._usual} cells)"
 
 
 def open_text(path: Path, wanted: Sequence[str], hints: Hints) -> TextSheet:
@@ -203,7 +192,7 @@ def open_text(path: Path, wanted: Sequence[str], hints: Hints) -> TextSheet:
     separator, rows, layout = max(found, key=lambda one: _worth(one[1], one[2], wanted))
     decimal = hints.decimal_said or _decimal(path, rows, layout, separator)
     details = {"separator": separator, "decimal": decimal, "encoding": encoding.removesuffix("-sig")}
-    return TextSheet(path, rows, lines, layout, decimal, details, separator, encoding)
+    return TextSheet(path, rows, layout, decimal, details, separator, encoding)
 
 
 def _layouts(
@@ -219,16 +208,11 @@ def _layouts(
 
 
 def _head(path: Path, encoding: str | None) -> tuple[str, list[str]]:
-    check_plain(path, "table", MOST_BYTES)
-    try:
-        with path.open("rb") as stream:
-            raw = stream.read(HEAD_BYTES)
-    except OSError as error:
-        raise UserError(f"{path}: cannot read it: {error.strerror or error}") from None
+    raw = next(blocks_of(path, "table"), b"")
     if not raw.strip():
         raise UserError(f"{path}: the file is empty")
-    # The cut at 1 MiB may fall within a character: whole lines only.
-    whole = raw if len(raw) < HEAD_BYTES else raw[: raw.rfind(b"\n") + 1] or raw
+    # A block may end within a character: whole lines only.
+    whole = raw if len(raw) == path.stat().st_size else raw[: raw.rfind(b"\n") + 1] or raw
     encoding = known_encoding(encoding) if encoding else encoding_of(whole)
     if encoding is None:
         raise UserError(f"{path}: not a text file; export it as CSV, Excel (.xlsx) or TDMS first")
@@ -240,6 +224,7 @@ def _head(path: Path, encoding: str | None) -> tuple[str, list[str]]:
 
 def _split(lines: Sequence[str], separator: str) -> list[list[str]]:
     """Rows of cells, one a line; below a cell with line breaks, as many empty ones."""
+    lines = [_stamps_apart(line, separator) for line in lines]
     if separator == BLANKS:
         return [_at_blanks(line) for line in lines]
     rows: list[list[str]] = []
@@ -247,6 +232,11 @@ def _split(lines: Sequence[str], separator: str) -> list[list[str]]:
         cells, count = _cells(lines[len(rows) : len(rows) + MOST_BROKEN], separator)
         rows += [cells, *([[]] * (count - 1))]
     return rows
+
+
+def _stamps_apart(text: str, separator: str) -> str:
+    """Lines of cells in which the stamp of a serial monitor is a cell of its own."""
+    return re.sub(rf"{STAMPED}(?=.*{re.escape(separator)})", rf"\1{separator}", text) if "->" in text else text
 
 
 def _at_blanks(line: str) -> list[str]:
@@ -275,6 +265,10 @@ def _cells(lines: Sequence[str], separator: str) -> tuple[list[str], int]:
             cells = [cell.replace("\n", " ").rstrip() for cell in next(reader, [])]
             return cells[:MOST_COLUMNS], max(1, reader.line_num)
     return [], 1
+
+
+def _has_numbers(cells: Sequence[str]) -> bool:
+    return is_data(cells) and count_numbers(cells) > 1
 
 
 def _worth(rows: Sequence[Sequence[str]], layout: Layout, wanted: Sequence[str]) -> tuple[float, ...]:

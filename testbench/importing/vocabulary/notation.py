@@ -22,15 +22,18 @@ _THOUSANDS = {
     ",": re.compile(rf"^[+-]?\d{{1,3}}((\.\d{{3}})+|([{_APART}]\d{{3}})+)(,\d*)?{_EXPONENT}$"),
 }
 _SEPARATORS = {".": rf"[,{_APART}]", ",": rf"[.{_APART}]"}
+# Dates and times in their plain form, see `_plain_when`.
 _DATE = re.compile(
-    r"^\d{1,4}[-./年]\d{1,2}[-./月]\d{1,4}日?([T ,]+\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?)?"
+    r"^\d{1,4}[-./年]\d{1,2}[-./月]\d{1,4}日?([T ,]+\d{1,2}:\d{2}(:\d{2}(\.\d+)?)?)?"
     r"( ?[AP]M| ?Z| ?[+-]\d{2}:?\d{2})?$"
 )
 # 10:15:30.5, with AM or PM behind it; or minutes and seconds, 15:30.5
-_CLOCK = re.compile(r"^(?:(\d{1,3}):(\d{2}):(\d{2}(?:[.,]\d+)?)(?: ?([AaPp])\.?[Mm]\.?)?|(\d{1,3}):(\d{2}[.,]\d+))$")
+_CLOCK = re.compile(r"^(?:(\d{1,3}):(\d{2}):(\d{2}(?:\.\d+)?)(?: ?([AaPp])\.?[Mm]\.?)?|(\d{1,3}):(\d{2}\.\d+))$")
 # 01/03/2026, 01-03-26: the day or the month may come first, and of 26-03-01 even the year.
 _UNCLEAR_DAY = re.compile(r"^(\d{1,2}([/-])\d{1,2}\2\d{2}(?:\d{2})?)(?!\d)")
-_MIDNIGHT = re.compile(r"[T ]+0{1,2}:00(:00([.,]0+)?)?$")
+_MIDNIGHT = re.compile(r"[T ]+0{1,2}:00(:00(\.0+)?)?$")
+_BEFORE_PARTS = re.compile(r"(:\d{2})(?:,(?=\d)|:(?=\d{3}(?!\d)))")  # 30,5 s; a third colon has ms behind it
+_ZONE = re.compile(r"(?<=[\dM.]) ([A-Z]{3,5})$")  # CET, behind digits or AM
 HALF_DAY_S = 43_200.0
 MISSING = {"", "nan", "na", "n/a", "-", "--", "---", "null", "none", "inf", "-inf", "#n/a"}
 
@@ -46,26 +49,35 @@ def is_number(text: str) -> bool:
     return bool(_POINT.match(text) or _COMMA.match(text)) or any(form.match(text) for form in _THOUSANDS.values())
 
 
+def _plain_when(cell: str) -> str:
+    """A date or time with a point before parts of seconds, and without the name of its zone."""
+    return _ZONE.sub("", _BEFORE_PARTS.sub(r"\1.", cell.strip()))
+
+
 def is_when(text: str) -> bool:
     """Whether a cell is a date, a date and time, or a time of day with seconds."""
-    text = text.strip()
+    text = _plain_when(text)
     return bool(_DATE.match(text) or _CLOCK.match(text))
 
 
 def is_time_of_day(text: str) -> bool:
     """Whether a cell is a time of day, with seconds, that does not say of which day."""
-    return bool(_CLOCK.match(text.strip()))
+    return bool(_CLOCK.match(_plain_when(text)))
 
 
 def is_day(text: str) -> bool:
     """Whether a cell is a date without a time of day (or at midnight, as spreadsheets write it)."""
-    text = text.strip()
+    text = _plain_when(text)
     return bool(_DATE.match(text)) and ":" not in _MIDNIGHT.sub("", text)
 
 
-def is_unclear_day(text: str) -> bool:
-    """Whether nobody can tell day and month of a date apart: ``01/03/2026``, ``01-03-26``."""
-    return bool(_UNCLEAR_DAY.match(text.strip()))
+def why_unclear(cell: str) -> str:
+    """What cannot be told of a date or time where others in its column differ, and what to write; or nothing."""
+    if _UNCLEAR_DAY.match(cell.strip()):
+        return "which of its numbers is the day and which the month cannot be told; write dates as 2026-03-01"
+    if _ZONE.search(cell.strip()):
+        return "how far zones that have but a name lie apart cannot be told; write them as 10:00:00+01:00"
+    return ""
 
 
 def decimal_sign(cells: Iterable[str]) -> str | None:
@@ -115,8 +127,7 @@ def numbers(cells: pd.Series, decimal: str, thousands: str | None = None) -> tup
 
     if cells.dtype.kind in "fiu":
         return cells.to_numpy(dtype=np.float64), None
-    text = cells.astype("string").str.strip().str.replace("−", "-", regex=False)
-    text = text.mask(text == "")
+    text = _texts(cells).str.replace("−", "-", regex=False)
     grouped = text.str.match(_THOUSANDS[decimal].pattern, na=False)
     sign = re.escape(thousands) if thousands else _SEPARATORS[decimal]
     proven = thousands or (grouped & text.str.contains(re.escape(decimal), na=False)).any()
@@ -129,6 +140,24 @@ def numbers(cells: pd.Series, decimal: str, thousands: str | None = None) -> tup
     values = pd.to_numeric(plain, errors="coerce")
     wrong = np.flatnonzero((values.isna() & text.notna()).to_numpy())
     return values.to_numpy(dtype=np.float64, na_value=np.nan), int(wrong[0]) if wrong.size else None
+
+
+def _texts(cells: pd.Series) -> pd.Series:
+    """Cells without blanks around them; nothing where one is empty."""
+    text = cells.astype("string").str.strip()
+    return text.mask(text == "")
+
+
+def _plain_whens(cells: pd.Series) -> pd.Series:
+    """Cells as `_plain_when`; where their zones are not all of one name, those that have one are no times.
+
+    Of one zone for all, nothing need be known: only the time between the cells counts.
+    """
+    text = _texts(cells)
+    zones = text.str.extract(_ZONE.pattern)[0]
+    if zones[text.notna()].nunique(dropna=False) > 1:
+        text = text.mask(zones.notna(), "?")
+    return text.str.replace(_BEFORE_PARTS, r"\1.", regex=True).str.replace(_ZONE, "", regex=True)
 
 
 def seconds(cells: pd.Series) -> tuple[np.ndarray, int | None]:
@@ -146,8 +175,7 @@ def seconds(cells: pd.Series) -> tuple[np.ndarray, int | None]:
     elif cells.dtype.kind == "m":
         return cells.dt.total_seconds().to_numpy(dtype=np.float64), None
     else:
-        text = cells.astype("string").str.strip()
-        text = text.mask(text == "")
+        text = _plain_whens(cells)
         clock = text.str.extract(_CLOCK.pattern)
         if 2 * clock.notna().any(axis=1).sum() >= text.notna().sum() > 0:
             of_day, first_wrong = _times_of_day(text, clock)
@@ -160,8 +188,7 @@ def seconds(cells: pd.Series) -> tuple[np.ndarray, int | None]:
 
 def _times_of_day(text: pd.Series, clock: pd.DataFrame) -> tuple[np.ndarray, int | None]:
     hours, minutes, rest, few, short = (
-        clock[part].str.replace(",", ".", regex=False).astype("Float64").to_numpy(dtype=np.float64, na_value=np.nan)
-        for part in (0, 1, 2, 4, 5)
+        clock[part].astype("Float64").to_numpy(dtype=np.float64, na_value=np.nan) for part in (0, 1, 2, 4, 5)
     )
     half = clock[3].str.casefold()
     afternoon = (half == "p").fillna(False).to_numpy(dtype=bool)
@@ -185,8 +212,7 @@ def seconds_of_days(cells: pd.Series, days: pd.Series) -> tuple[np.ndarray, int 
     if cells.dtype.kind == "m":
         since, wrong = seconds(cells)
     else:
-        text = cells.astype("string").str.strip()
-        text = text.mask(text == "")
+        text = _plain_whens(cells)
         since, wrong = _times_of_day(text, text.str.extract(_CLOCK.pattern))
     day_s, wrong_day = seconds(days)
     there = np.isfinite(day_s)
@@ -211,5 +237,4 @@ def _dates(text: pd.Series) -> pd.Series:
         text = text.mask(unclear.notna(), "?")
     pointed = text.str.match(r"^\d{1,2}\.\d{1,2}\.\d{2,4}", na=False)
     first = bool(pointed.any())
-    text = text.str.replace(r"(:\d{2}),(\d+)", r"\1.\2", regex=True)
     return pd.to_datetime(text, errors="coerce", format="mixed", utc=True, dayfirst=first)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Iterable
 
 from testbench.importing.vocabulary.relative import ratio_by_formula, ratio_by_words
 
@@ -26,118 +27,63 @@ ROLES: dict[str, tuple[str, ...]] = {
 }
 STRETCH = {"displacement", "strain"}
 
+
+def _words(text: str) -> tuple[str, ...]:
+    return tuple(text.split())
+
+
 # Whole words, without accents: English, and French, Italian and Spanish. Of those, none that is another thing in
 # English or German (course: of a knit, charge: a batch).
 _WHOLE = {
-    "time": "time elapsed timestamp clock seconds runtime temps tempo tiempo",
-    "displacement": "displacement displ disp extension elongation crosshead position pos stroke travel deflection "
-    "extensometer deplacement allongement spostamento corsa allungamento desplazamiento alargamiento deformation",
-    "strain": "strain",
-    "force": "force load loadcell effort forza carico fuerza carga",
-    "resistance": "resistance resistor res resistenza resistencia",
-    "conductance": "conductance conduttanza conductancia",
-    "temperature": "temperature temp temperatura",
+    "time": _words("time elapsed timestamp clock seconds runtime temps tempo tiempo"),
+    "displacement": _words(
+        "displacement displ disp extension elongation crosshead position pos stroke travel deflection "
+        "extensometer deplacement allongement spostamento corsa allungamento desplazamiento alargamiento deformation"
+    ),
+    "strain": _words("strain"),
+    "force": _words("force load loadcell effort forza carico fuerza carga"),
+    "resistance": _words("resistance resistor res resistenza resistencia"),
+    "conductance": _words("conductance conduttanza conductancia"),
+    "temperature": _words("temperature temp temperatura"),
 }
 # Parts of a word, for German, which joins its words, and Chinese, which does not part them.
 _PARTS = {
-    "time": ("zeit", "时间", "时刻", "時間", "時刻"),
-    "displacement": (
-        "weg",
-        "verschiebung",
-        "verlängerung",
-        "verlaengerung",
-        "traverse",
-        "verformung",
-        "位移",
-        "行程",
-        "伸长",
-        "伸長",
-        "变形",
-        "變形",
+    "time": _words("zeit 时间 时刻 時間 時刻"),
+    "displacement": _words(
+        "weg verschiebung verlängerung verlaengerung traverse verformung 位移 行程 伸长 伸長 变形 變形"
     ),
-    "strain": ("dehnung", "应变", "應變"),
-    "force": ("kraft", "试验力", "試驗力", "拉力", "载荷", "載荷", "荷重", "负荷", "負荷", "力"),
-    "resistance": ("widerstand", "电阻", "電阻"),
-    "conductance": ("leitwert", "电导", "電導"),
-    "temperature": ("temperatur", "温度", "溫度"),
+    "strain": _words("dehnung 应变 應變"),
+    "force": _words("kraft 试验力 試驗力 拉力 载荷 載荷 荷重 负荷 負荷 力"),
+    "resistance": _words("widerstand 电阻 電阻"),
+    "conductance": _words("leitwert 电导 電導"),
+    "temperature": _words("temperatur 温度 溫度"),
 }
 _SYMBOLS = {
-    "time": ("t", "T"),
-    "displacement": ("x", "s", "u", "d", "dl", "Δl", "ΔL", "δ"),
-    "strain": ("ε", "eps", "epsilon"),
-    "force": ("F", "f"),
-    "resistance": ("R", "r"),
-    "conductance": ("G",),
-    "temperature": ("T", "ϑ", "θ"),
+    "time": _words("t T"),
+    "displacement": _words("x s u d dl Δl ΔL δ"),
+    "strain": _words("ε eps epsilon"),
+    "force": _words("F f"),
+    "resistance": _words("R r"),
+    "conductance": _words("G"),
+    "temperature": _words("T ϑ θ"),
 }
 # A column with such a word is about the quantity, not the quantity itself. Rates, set points, extremes, counters.
-_ABOUT = frozenset(
-    [
-        "rate",
-        "speed",
-        "velocity",
-        "setpoint",
-        "set",
-        "command",
-        "cmd",
-        "commanded",
-        "target",
-        "demand",
-        "reference",
-        "max",
-        "maximum",
-        "min",
-        "minimum",
-        "peak",
-        "break",
-        "rupture",
-        "yield",
-        "std",
-        "sd",
-        "error",
-        "limit",
-        "count",
-        "counter",
-        "number",
-        "index",
-        "energy",
-        "work",
-        "stress",
-        "modulus",
-        "cycle",
-        "cycles",
-        "zyklus",
-        "zyklen",
-        "planned",
-        "noise",
-        "adc",
-        "stiffness",
-        "density",
-        "shunt",
-        "series",
-        "vitesse",
-        "velocita",
-        "velocidad",
-        "consigne",
-        "contrainte",
-        "maximale",
-        "massimo",
-        "massima",
-        "maximo",
-        "maxima",
-    ]
+_ABOUT = _words(
+    "rate speed velocity setpoint set command cmd commanded target demand reference planned max "
+    "maximum min minimum peak break rupture yield std sd noise error limit count counter number index cycle cycles "
+    "zyklus zyklen energy work stress modulus stiffness density adc shunt series "
+    "vitesse velocita velocidad consigne contrainte maximale massimo massima maximo maxima"
 )
-_ABOUT_PARTS = (
-    "geschwindigkeit", "soll", "zyklus", "bruch", "spannung", "maximal", "höchst",
-    "应力", "速度", "速率", "循环", "次数", "最大", "最小", "设定", "目标", "编号",
-    "應力", "循環", "次數", "設定", "目標", "編號",
-)  # fmt: skip
+_ABOUT_PARTS = _words(
+    "geschwindigkeit soll zyklus bruch spannung maximal höchst "
+    "应力 速度 速率 循环 次数 最大 最小 设定 目标 编号 應力 循環 次數 設定 目標 編號"
+)
 # Of an index behind R: the resistance at rest, or another one of the circuit, and not the one that is measured.
-_NOT_MEASURED = frozenset(["0", "o", "ref", "init", "initial", "rest", "shunt", "series", "load"])
+_NOT_MEASURED = _words("0 o ref init initial rest shunt series load")
 # A strain that is not the nominal one along the sensor: of the length at the time, or across.
-_NOT_NOMINAL = frozenset(["true", "log", "logarithmic", "hencky", "transverse", "lateral"])
-_NOT_NOMINAL_PARTS = ("quer", "wahre", "logarithm", "hencky", "真", "对数", "對數", "横向", "橫向")
-_NOT_ALONE = ("力矩", "动力", "動力", "应力", "應力")
+_NOT_NOMINAL = _words("true log logarithmic hencky transverse lateral")
+_NOT_NOMINAL_PARTS = _words("quer wahre logarithm hencky 真 对数 對數 横向 橫向")
+_NOT_ALONE = _words("力矩 动力 動力 应力 應力")
 _GENERIC = re.compile(
     r"^(ch(annel)?|kanal|ai|analog(ue)?[ _]?in(put)?|sensor|signal|value|wert|column|spalte|y|通道)?[ _#.:-]*\d*$",
     re.I,
@@ -181,7 +127,7 @@ def roles_of(base: str, whole: str) -> dict[str, int]:
 
 
 def _by_word(role: str, base: str, whole: str) -> int:
-    whole_words, parts = _WHOLE[role].split(), _PARTS[role]
+    whole_words, parts = _WHOLE[role], _PARTS[role]
     plain = base.strip().casefold()
     if plain in whole_words or plain in parts:
         return CERTAIN
@@ -218,15 +164,17 @@ def speaks_about(whole: str, role: str = "") -> bool:
 
     The change rate of a resistance (电阻变化率) is its relative change, no change in time.
     """
-    text = whole.casefold()
-    rate = {"rate"} if role == "relative_change" else set()
-    return bool((_ABOUT - rate) & set(words_of(whole))) or any(part in text for part in _ABOUT_PARTS)
+    words = [word for word in _ABOUT if word != "rate" or role != "relative_change"]
+    return _has(whole, words, _ABOUT_PARTS)
 
 
 def _is_not_nominal(whole: str) -> bool:
     """Whether a strain is another than the nominal one, on which every model here is built."""
-    text = whole.casefold()
-    return bool(_NOT_NOMINAL & set(words_of(whole))) or any(part in text for part in _NOT_NOMINAL_PARTS)
+    return _has(whole, _NOT_NOMINAL, _NOT_NOMINAL_PARTS)
+
+
+def _has(name: str, words: Iterable[str], parts: Iterable[str]) -> bool:
+    return not set(words).isdisjoint(words_of(name)) or any(part in name.casefold() for part in parts)
 
 
 def is_generic(base: str) -> bool:

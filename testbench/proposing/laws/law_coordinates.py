@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from testbench.proposing.laws.law_parts import FORCE, LN_G, PRESSING, STRAIN, TIME, WARM, Coordinate, Slot
+from testbench.proposing.laws.law_parts import DIRECTION, FORCE, LN_G, PRESSING, STRAIN, TIME, WARM, Coordinate, Slot
 from testbench.proposing.laws.units import KELVIN, NEWTON, ONE, PER_SECOND, SECOND
 
 COORDINATES = {
@@ -20,7 +20,7 @@ COORDINATES = {
             "the direction of motion",
             ONE,
             STRAIN,
-            definitions=(r"d = \pm 1 \text{ while stretching / releasing}",),
+            definitions=DIRECTION,
         ),
         Coordinate("force", "F", "F", "the force", NEWTON, FORCE),
         Coordinate("force rate", "rate(F, dt_s)", r"\dot F", "the rate of the force", NEWTON / SECOND, FORCE),
@@ -112,6 +112,8 @@ COORDINATES = {
 
 # A share n of something that forms and goes: dn/dt = gain (1 - n) - loss n. What makes it form, and what ends it.
 _EDGE = Slot("edge", "e_1", "strain beyond which it forms", "strain")
+_FORM_BEYOND = Slot("form_s", r"\tau_1", "time in which it forms, a span beyond the edge")
+_REACH = Slot("reach", "l_1", "path in which it forms", "path")
 _FORMS = {
     "with time": (
         r"\frac{1}{\tau_1}",
@@ -122,13 +124,13 @@ _FORMS = {
     "under stretch": (
         r"\frac{(e - e_1)^+}{s\,\tau_1}",
         "over(e, self.edge) / ({span} * self.form_s)",
-        (_EDGE, Slot("form_s", r"\tau_1", "time in which it forms, a span beyond the edge")),
+        (_EDGE, _FORM_BEYOND),
         "forms beyond a strain",
     ),
     "steeply": (
         r"\frac{((e - e_1)^+)^2}{s^2\,\tau_1}",
         "over(e, self.edge) ** 2 / ({span}**2 * self.form_s)",
-        (_EDGE, Slot("form_s", r"\tau_1", "time in which it forms, a span beyond the edge")),
+        (_EDGE, _FORM_BEYOND),
         "forms ever quicker beyond a strain",
     ),
     "with the square": (
@@ -140,13 +142,13 @@ _FORMS = {
     "with motion": (
         r"\frac{|\dot e|}{l_1}",
         "np.abs(moving(e, dt_s)) / self.reach",
-        (Slot("reach", "l_1", "path in which it forms", "path"),),
+        (_REACH,),
         "forms with motion",
     ),
     "while stretching": (
         r"\frac{\dot e^+}{l_1}",
         "over(moving(e, dt_s), 0.0) / self.reach",
-        (Slot("reach", "l_1", "path in which it forms", "path"),),
+        (_REACH,),
         "forms while stretching",
     ),
 }

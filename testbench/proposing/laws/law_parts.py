@@ -17,6 +17,7 @@ from testbench.proposing.laws.units import ONE, Unit
 
 STRAIN, FORCE, PRESSING, LN_G = ("strain",), ("force_N",), ("contact_force_N",), ("conductance_S",)
 TIME, WARM = ("time_s",), ("temperature_C",)
+DIRECTION = (r"d = \pm 1 \text{ while stretching / releasing}",)  # what d stands for in formulas
 
 
 @dataclass(frozen=True)

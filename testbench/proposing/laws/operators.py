@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
-from testbench.proposing.laws.law_parts import FORCE, LN_G, PRESSING, STRAIN, TIME, Operator, Slot
+from testbench.proposing.laws.law_parts import DIRECTION, FORCE, LN_G, PRESSING, STRAIN, TIME, Operator, Slot
 from testbench.proposing.laws.units import NEWTON, ONE, SECOND
+
+_TAU = Slot("tau_s", r"\tau", "time of the memory")
+_RELAXES = (r"\tau\,\dot y = {x} - y",)
+_DELAY = Slot("delay_s", r"\delta", "delay", "delay")
+_EDGE = Slot("edge_x", "x_1", "threshold", "level")
 
 OPERATORS = {
     o.name: o
@@ -15,8 +20,8 @@ OPERATORS = {
             "y",
             "the memory of {x}",
             "memory",
-            (Slot("tau_s", r"\tau", "time of the memory"),),
-            (r"\tau\,\dot y = {x} - y",),
+            (_TAU,),
+            _RELAXES,
         ),
         Operator(
             "sudden",
@@ -24,8 +29,8 @@ OPERATORS = {
             r"({x} - y)",
             "what is sudden in {x}",
             "memory",
-            (Slot("tau_s", r"\tau", "time of the memory"),),
-            (r"\tau\,\dot y = {x} - y",),
+            (_TAU,),
+            _RELAXES,
         ),
         Operator(
             "broad lag",
@@ -92,7 +97,7 @@ OPERATORS = {
             r"({x}(t - \delta) - {x}(t))",
             "the delay of {x}",
             "memory",
-            (Slot("delay_s", r"\delta", "delay", "delay"),),
+            (_DELAY,),
         ),
         Operator(
             "echo",
@@ -100,7 +105,7 @@ OPERATORS = {
             r"{x}(t - \delta)",
             "the echo of {x}",
             "memory",
-            (Slot("delay_s", r"\delta", "delay", "delay"),),
+            (_DELAY,),
         ),
         Operator(
             "clock",
@@ -147,7 +152,7 @@ OPERATORS = {
             r"({x} - x_1)^+",
             "{x} beyond a threshold",
             "bend",
-            (Slot("edge_x", "x_1", "threshold", "level"),),
+            (_EDGE,),
         ),
         Operator(
             "below",
@@ -155,7 +160,7 @@ OPERATORS = {
             r"(x_1 - {x})^+",
             "{x} below a threshold",
             "bend",
-            (Slot("edge_x", "x_1", "threshold", "level"),),
+            (_EDGE,),
         ),
         Operator(
             "saturation",
@@ -255,7 +260,7 @@ OPERATORS = {
             r"{x}\,d",
             "{x}, with the sign of the motion",
             "factor",
-            definitions=(r"d = \pm 1 \text{ while stretching / releasing}",),
+            definitions=DIRECTION,
             reads=STRAIN,
         ),
         Operator(
@@ -264,7 +269,7 @@ OPERATORS = {
             r"{x}\,\frac{1 + d}{2}",
             "{x} while stretching",
             "factor",
-            definitions=(r"d = \pm 1 \text{ while stretching / releasing}",),
+            definitions=DIRECTION,
             reads=STRAIN,
         ),
         Operator("growing", "x * t", r"{x}\,t", "{x}, which grows with time", "factor", reads=TIME, times=SECOND),

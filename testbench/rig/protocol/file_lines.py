@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 from testbench.recordings.channels import TIME
-from testbench.rig.protocol.items import Bad, Event, Row, channels_of
+from testbench.rig.protocol.items import CARRIED, Bad, Event, Row, channels_of
 
 
 def seconds(time_us: int) -> str:
@@ -15,15 +15,9 @@ def seconds(time_us: int) -> str:
 
 def csv_line(row: Row) -> str:
     """One line of ``recording.csv``: every digit of the wire, nothing more."""
-    sample = row.sample
-    parts = [seconds(row.time_us), f"{sample.displacement_nm / 1e6:.6f}"]
-    if sample.force_uN is not None:
-        parts.append(f"{sample.force_uN / 1e6:.6f}")
-    if sample.resistance_mohm is not None:
-        parts.append(f"{sample.resistance_mohm / 1e3:.3f}")
-    if sample.temperature_mC is not None:
-        parts.append(f"{sample.temperature_mC / 1e3:.3f}")
-    return ",".join(parts) + "\n"
+    read = [(getattr(row.sample, one.field), one) for one in CARRIED]
+    cells = [one.decimals % (value / one.scale) for value, one in read if value is not None]
+    return ",".join([seconds(row.time_us), *cells]) + "\n"
 
 
 def header_line(row: Row) -> str:

@@ -46,12 +46,23 @@ class Lines(NamedTuple):
 Item = Row | Lines | Bad | Event
 
 
+class Carried(NamedTuple):
+    """How a channel travels: whole numbers in `field` of a `Sample`, of which `scale` make one of its unit."""
+
+    channel: str
+    field: str
+    scale: float
+    decimals: str
+
+
+CARRIED = (  # in the order of the file
+    Carried(DISPLACEMENT, "displacement_nm", 1e6, "%.6f"),
+    Carried(FORCE, "force_uN", 1e6, "%.6f"),
+    Carried(RESISTANCE, "resistance_mohm", 1e3, "%.3f"),
+    Carried(TEMPERATURE, "temperature_mC", 1e3, "%.3f"),
+)
+
+
 def channels_of(sample: Sample) -> tuple[str, ...]:
     """Names of the recording's channels that `sample` carries, in the order of the file."""
-    present = (
-        (DISPLACEMENT, True),
-        (FORCE, sample.force_uN is not None),
-        (RESISTANCE, sample.resistance_mohm is not None),
-        (TEMPERATURE, sample.temperature_mC is not None),
-    )
-    return tuple(name for name, there in present if there)
+    return tuple(one.channel for one in CARRIED if getattr(sample, one.field) is not None)

@@ -15,7 +15,7 @@ from gcode.support.arrays import IntArray
 from testbench.rig.connection.parts import Accepted, End, Part, in_memory
 from testbench.rig.protocol import wire
 from testbench.rig.protocol.file_lines import header_line
-from testbench.rig.protocol.items import Row
+from testbench.rig.protocol.items import CARRIED, Row
 from testbench.rig.protocol.stream import GAP_US
 from testbench.rig.simulation.simulated import Readings, SimulatedRig
 
@@ -62,13 +62,8 @@ def _steps_us(readings: Readings) -> IntArray:
 
 def csv_lines(readings: Readings, time_us: IntArray, rows: slice) -> str:
     """Lines of ``recording.csv``, the same as `testbench.rig.protocol.file_lines.csv_line` makes of one row each."""
-    columns = (
-        (time_us, 1e6, "%.6f"),
-        (readings.displacement_nm, 1e6, "%.6f"),
-        (readings.force_uN, 1e6, "%.6f"),
-        (readings.resistance_mohm, 1e3, "%.3f"),
-        (readings.temperature_mC, 1e3, "%.3f"),
-    )
-    line = ",".join(digits for values, _, digits in columns if values is not None) + "\n"
-    numbers = np.column_stack([values[rows] / scale for values, scale, _ in columns if values is not None])
+    read = ((getattr(readings, one.field), one.scale, one.decimals) for one in CARRIED)
+    columns = [(time_us, 1e6, "%.6f"), *(column for column in read if column[0] is not None)]
+    line = ",".join(decimals for *_, decimals in columns) + "\n"
+    numbers = np.column_stack([values[rows] / scale for values, scale, _ in columns])
     return line * len(numbers) % tuple(numbers.ravel().tolist())

@@ -34,6 +34,33 @@ def test_where_day_and_month_cannot_be_told_apart_a_change_of_them_is_refused(tm
     assert time_of(table(tmp_path, "Time", same)) == [0, 1, 2]
 
 
+@pytest.mark.parametrize(
+    "form", ["2026-03-01 10:00:0{}.5 CET", "10:00:0{},5 MESZ", "10:00:0{}.5 AM EST", "2026-03-01 10:00:0{}:500"]
+)
+def test_one_zone_for_all_says_nothing_and_a_third_colon_has_milliseconds_behind_it(tmp_path, form):
+    path = tmp_path / "lab.csv"
+    rows = [f"{form.format(n)};{0.1 * n:.1f};{0.2 * n:.1f}" for n in range(4)]
+    path.write_text("\n".join(["Time;Displacement (mm);Force (N)", *rows]) + "\n")
+    assert time_of(path) == [0, 1, 2, 3]
+    rows[2] = rows[2].replace(":02:500", ":02:750").replace(":02.5", ":02.75").replace(":02,5", ":02,75")
+    path.write_text("\n".join(["Time;Displacement (mm);Force (N)", *rows]) + "\n")
+    assert time_of(path) == [0, 1, 2.25, 3]
+
+
+@pytest.mark.parametrize("other", ["CEST", ""])
+def test_how_far_two_named_zones_lie_apart_is_not_guessed(tmp_path, other):
+    path = table(tmp_path, "Time", [f"2026-10-25 02:00:0{n} {'CET' if n else other}".strip() for n in range(4)])
+    with pytest.raises(UserError, match=r"got '2026-10-25 .* CE.*; how far zones .* write them as 10:00:00\+01:00"):
+        time_of(path)
+
+
+@pytest.mark.parametrize("cells", ["10:00:00:{}", "10:00:0{}:12"])
+def test_what_a_third_colon_has_behind_it_is_not_guessed(tmp_path, cells):
+    """Milliseconds without their noughts, or frames."""
+    with pytest.raises(UserError, match=r"time .*: the file does not say its unit"):
+        time_of(table(tmp_path, "Time", [cells.format(n) for n in range(4)]))
+
+
 @pytest.mark.parametrize("days", [("2026-03-01", "2026-03-02"), ("01.03.2026", "02.03.2026"), ("1.3.26", "2.3.26")])
 def test_the_days_beside_times_of_day_are_joined(tmp_path, days):
     """20 rows on one day and 20 on the next lasted an hour."""

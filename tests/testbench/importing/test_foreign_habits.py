@@ -155,3 +155,28 @@ def test_a_row_of_results_among_the_samples_is_said(tmp_path):
 def test_what_stands_beside_the_table_in_its_first_rows_is_none_of_it(tmp_path):
     path = _lines(tmp_path / "lab.csv", HEADER, f"{ROWS[0]},,max,6.8", f"{ROWS[1]},,min,0.2", *ROWS[2:])
     assert len(import_csv(path, Wish(40.0)).recording) == 40
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t", " "])
+def test_the_stamps_of_a_serial_monitor_are_a_column_of_their_own(tmp_path, separator):
+    stamps = [f"10:00:0{n // 10}.{n % 10}00 -> " for n in range(40)]
+    rows = [row.replace(",", separator) for row in ROWS]
+    header = "Time_s,Extension_mm,Load_N".replace(",", separator)
+    lines = [f"{stamp}{row}" for stamp, row in zip(["10:00:00.000 -> ", *stamps], [header, *rows], strict=True)]
+    path = _lines(tmp_path / "serial.log", *lines)
+    assert import_csv(path, Wish(40.0)).recording.time_s == pytest.approx(TIME_S)
+    found = import_csv(path, Wish(40.0, {"time": "1"})).recording
+    assert found.time_s == pytest.approx(TIME_S)
+    assert found["force_N"][1] == pytest.approx(0.7)
+    lines[5] = lines[5].replace(separator, f" -> {separator}", 1)
+    with pytest.raises(UserError, match="row 6: "):
+        import_csv(_lines(tmp_path / "serial.log", *lines), Wish(40.0))
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t", " "])
+def test_the_end_of_a_text_of_dos_is_no_row(tmp_path, separator):
+    lines = [line.replace(",", separator) for line in ("Time_s,Extension_mm,Load_N", *ROWS)]
+    path = tmp_path / "logger.dat"
+    path.write_bytes("\r\n".join([*lines, "\x1a"]).encode())
+    done = import_csv(path, Wish(40.0))
+    assert (len(done.recording), done.dropped) == (40, 0)

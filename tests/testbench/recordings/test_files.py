@@ -84,6 +84,16 @@ def test_a_thermometer_of_another_name_is_not_overlooked_in_silence(tmp_path, ca
     assert not caplog.text
 
 
+def test_a_mark_that_quotes_nothing_hides_no_rows(tmp_path):
+    lines = [f"{0.1 * n:.1f},{n},0.1,900,fine" for n in range(60)]
+    lines[18], lines[38] = f'{lines[18][:-4]}"a', f'{lines[38][:-4]}"a'
+    text = "\n".join([f"{HEAD.strip()},note", *lines]) + "\n"
+    with pytest.raises(UserError, match="a quotation mark in row 20 is closed only in row 40, so the rows between"):
+        read_recording(written(tmp_path, text), 25.0)
+    text = text.replace('"a', '"two\nlines"', 1).replace('"a', "fine")
+    assert len(read_recording(written(tmp_path, text), 25.0)) == 60
+
+
 def test_other_channels_may_stand_beside_or_instead(tmp_path):
     text = GOOD.replace("resistance_ohm", "displacement_planned_mm").replace("force_N", "temperature_C")
     assert list(read_recording(written(tmp_path, text), 25.0).channels) == [
