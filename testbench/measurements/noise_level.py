@@ -13,7 +13,6 @@ RAIL = 1e-4  # of the range: so near to its end nothing of a reading is left but
 FEWEST = 50  # values that say how large the noise is
 PIECE, NEIGHBOURS, LEAK = 1024, 64, 8  # samples; frequencies that a line is compared with, and that it leaks into
 LINE = 30.0
-ONE_STEP = 1.01 * MAD_TO_SD * np.sqrt(12 / 6)  # the estimate from second differences of one step, over the rounding
 MOST_STEPS = 20  # between two values, for which rounding of the values themselves does not hide an even step
 
 
@@ -86,31 +85,30 @@ def noise_floor(values: FloatArray) -> float:
     second = np.diff(values, 2)
     least = rounding(values) or rounding(whole)  # of three steps only one is no end of the range
     # Steps of a motion that repeats itself are lines too, and without them spread out: the smaller is meant.
-    noise = min(within_steps(robust_sd(second), second, least), robust_sd(without_lines(second))) / np.sqrt(6)
+    noise = min(sd_of_steps(each, least) for each in (second, without_lines(second))) / np.sqrt(6)
     return max(noise, least)
 
 
-def within_steps(found: float, second: FloatArray, least: float) -> float:
-    """Standard deviation of second differences, as it was found robustly, or nearer where readings come in steps.
+def sd_of_steps(second: FloatArray, least: float) -> float:
+    """Standard deviation of second differences of readings, as `robust_sd` finds it, and nearer where they are steps.
 
-    Their differences are whole steps. Where half of them are no more than one, the median is a step or nothing,
-    whatever the noise. It is read within the step then, as if each difference filled the whole of its own (the median
-    of grouped data, less Sheppard's correction for their width).
+    Differences of readings that come in steps are whole steps, and so is their median, whatever the noise. It is read
+    within its step, as if the differences filled each step evenly (the median of grouped data, less Sheppard's
+    correction for their width).
 
     Parameters
     ----------
-    found : float
-        See `robust_sd`.
     second : ndarray, shape (m,)
     least : float
-        Standard deviation of the rounding of a reading; see `rounding`.
+        Standard deviation of the rounding of a reading; 0: they do not come in steps. See `rounding`.
     """
-    if found > ONE_STEP * least * np.sqrt(6) or not least:
-        return found
+    if not least:
+        return robust_sd(second)
     step = least * np.sqrt(12)
-    off = np.abs(second) / step
-    none, one = float(np.mean(off < 0.5)), float(np.mean((off >= 0.5) & (off < 1.5)))
-    median = 0.5 + (0.5 - none) / one if none < 0.5 else 0.25 / none
+    off = np.round(np.abs(second - np.median(second)) / step)
+    middle = float(np.quantile(off, 0.5, method="lower"))
+    low, high = max(middle - 0.5, 0.0), middle + 0.5
+    median = low + (high - low) * (0.5 - float(np.mean(off < middle))) / float(np.mean(off == middle))
     return step * float(np.sqrt(max((MAD_TO_SD * median) ** 2 - 1 / 12, 0.0)))
 
 

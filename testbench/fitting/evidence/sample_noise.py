@@ -26,9 +26,9 @@ from testbench.measurements.noise_level import (
     noise_floor,
     robust_sd,
     rounding,
+    sd_of_steps,
     spread,
     within_range,
-    within_steps,
 )
 
 LEVELS, MOST_NOISE = 10, 30.0  # levels whose noise is told apart; largest over typical noise
@@ -114,7 +114,7 @@ def _noise_by_level(
 
     Of three neighbours in the grid, all of which were read: a straight line over a gap has no noise. Where little
     moves, the readings of an instrument that rounds are all one, and yet no better than its rounding, `least`; where
-    more moves, half of the differences are one step (`within_steps`).
+    more moves, the median of the differences is a step (`sd_of_steps`).
     """
     usable = within_range(values) & is_read
     three = usable[:-2] & usable[1:-1] & usable[2:]
@@ -128,6 +128,6 @@ def _noise_by_level(
         inside = (middle >= low) & (middle <= high)
         if inside.sum() >= FEWEST:
             at.append(float(np.median(middle[inside])))
-            sd.append(within_steps(robust_sd(second[inside]), second[inside], least / np.sqrt(6)))
+            sd.append(sd_of_steps(second[inside], least / np.sqrt(6)))
     overall = max(robust_sd(second), least, 1e-12)
     return np.interp(values, at, np.maximum(sd, max(0.2 * overall, least))) if at else np.full(len(values), overall)

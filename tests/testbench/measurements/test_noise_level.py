@@ -46,6 +46,14 @@ def test_readings_in_steps_of_many_deviations_are_known_by_their_noise_and_their
     assert 0.7 < found / np.hypot(1.0, steps / 12**0.5) < 1.35
 
 
+@pytest.mark.parametrize("noise_in_steps", [0.5, 0.7, 1.0, 1.5, 2.5])
+def test_noise_of_a_few_steps_is_known_closer_than_to_a_step(noise_in_steps) -> None:
+    """The median of the differences is 1, 2, 3 ... steps: the floor was 20 % too low at 0.7, 16 % too high at 1."""
+    noise = noise_in_steps * np.random.default_rng(4).standard_normal(len(MOTION))
+    found = noise_floor(np.round(30 * MOTION + noise))
+    assert found == pytest.approx(np.hypot(noise_in_steps, 12**-0.5), rel=0.08)
+
+
 def test_of_a_reading_that_knows_three_values_the_rounding_is_known() -> None:
     assert noise_floor(np.round(MOTION - 1)) == pytest.approx(12**-0.5)
 
