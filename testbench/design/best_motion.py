@@ -65,7 +65,7 @@ def best_motion(
     seed: int = 1,
     rest_s: float | None = None,
     trials: int = 40,
-    force_max_N: float = float("inf"),
+    max_force_N: float = float("inf"),
     progress: Callable[[str], None] | None = None,
 ) -> Design:
     """Find the motion within the bounds that is expected to tell most.
@@ -86,7 +86,7 @@ def best_motion(
         The same specimen goes on after this rest; None: a fresh one.
     trials : int
         Motions to weigh beside the named ones.
-    force_max_N : float
+    max_force_N : float
         No hypothesis may expect more force.
     progress : callable, optional
         Called with a short text at each step.
@@ -100,7 +100,7 @@ def best_motion(
         raise UserError(f"a motion that separates needs two hypotheses or more, got {len(likely)}")
     tell = progress or (lambda _text: None)
     tell("linearising what is still likely")
-    weigher = _Weigher(likely, measurement, reading, bounds, rest_s, force_max_N)
+    weigher = _Weigher(likely, measurement, reading, bounds, rest_s, max_force_N)
     rng = np.random.default_rng(seed)
     found: list[_Weighed] = []
 
@@ -141,17 +141,17 @@ class _Weigher:
         reading: Reading,
         bounds: Bounds,
         rest_s: float | None,
-        force_max_N: float,
+        max_force_N: float,
     ) -> None:
         self.history = coarser(measurement, DESIGN_HZ)
         self.forecasters = [Forecaster(one, self.history, reading) for one in likely]
         self.probabilities = [max(one.probability, LEAST_WEIGHT) for one in likely]
-        self.bounds, self.rest_s, self.force_max_N = bounds, rest_s, force_max_N
+        self.bounds, self.rest_s, self.max_force_N = bounds, rest_s, max_force_N
 
     def __call__(self, trajectory: Trajectory) -> Information | None:
         ahead = following(self.history, trajectory, self.bounds.gauge_length_mm, self.rest_s)
         expected = [one.expect(ahead) for one in self.forecasters]
-        if any(top > self.force_max_N for _, (_, top) in expected):
+        if any(top > self.max_force_N for _, (_, top) in expected):
             return None
         if not all(np.all(np.isfinite(p.mean)) and np.all(np.isfinite(p.factor)) for p, _ in expected):
             return None

@@ -164,7 +164,7 @@ class _Loop:
                 seed=settings.seed + number,
                 rest_s=None if settings.specimen == "fresh" else settings.rest_s,
                 trials=settings.trials,
-                force_max_N=settings.max_force_N or float("inf"),
+                max_force_N=settings.max_force_N or float("inf"),
                 progress=self.watcher.tell,
             )
             made, words, expected, perlin = found.made, found.words, found.expected.low, found.perlin.low

@@ -44,8 +44,9 @@ def joined(recordings: Sequence[Recording], rests_s: Sequence[float], clamp_play
     alone = [prepare(one) for one in recordings]
     if len(alone) == 1:
         return alone[0]
-    rate_hz = 1.0 / min(one.dt_s for one in alone)
-    parts = [prepare(one, rate_hz=rate_hz) for one in recordings]
+    finest_s = min(p.dt_s for p in alone)
+    rate_hz = 1.0 / finest_s
+    parts = [p if p.dt_s == finest_s else prepare(p.recording, rate_hz=rate_hz) for p in alone]
     beyond_s = [one.duration_s - float(p.grid_s[-1]) for one, p in zip(recordings, parts, strict=True)]
     between_s = [over_s + p.start_s for over_s, p in zip(beyond_s[:-1], parts[1:], strict=True)]
     gaps = [0, *(_gap(*both, rate_hz) for both in zip(between_s, rests_s, strict=True))]

@@ -18,9 +18,9 @@ from testbench.design import experiment
 from testbench.design.experiment import Option
 from testbench.design.experiment_words import experiment_table, verdict
 from testbench.design.imitation import Rival
+from testbench.design.limits import bounds_with
 from testbench.design.protocols import Bounds, menu
 from testbench.design.rivals import rivals_from_diagnosis, rivals_of
-from testbench.investigating.limits import bounds_with
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import FloatArray
 from testbench.measurements.splitting import split

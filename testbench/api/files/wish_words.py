@@ -11,6 +11,7 @@ from testbench.importing.vocabulary.roles import ROLES
 SWITCHES = ("drop_bad", "sort")
 NUMBERS = {"gauge-length-mm": "gauge_length_mm", "rate-hz": "rate_hz", "rest-ohm": "r0_ohm", "repeat": "repeat"}
 HINTS = ("separator", "decimal", "thousands", "encoding", "sheet", "header_row", "units_row")
+_OPTION = r"(?<![\w./\\-])--"  # as a word of its own: a file may be called day--force.csv
 _ROLE = {flag.removeprefix("--"): role for role, flag in FLAGS.items()}
 _A_ROLE = rf"({'|'.join(ROLES)})\b"
 _GIVEN = r"(?: ([A-Z]\w*\b|none\b|\d+|[^\w\s](?=[ ;)]|$)))?"  # what stands behind an option as its value
@@ -23,23 +24,23 @@ def in_python(text: str) -> str:
     ``say --force-unit (N, kN)`` becomes ``say units={'force': ...} (N, kN)``, ``--drop-bad leaves`` becomes
     ``drop_bad=True leaves``; at its end stands whose fields they are.
     """
-    told = re.sub(r"--time-of (\w+)=(\w*)", partial(_by_role, "time_of"), text)
-    told = re.sub(r"--time-of\b", "time_of", told)
-    told = re.sub(rf"--zero {_A_ROLE}=", lambda it: f"zero[{it[1]!r}]", told)
-    told = re.sub(rf"--zero {_A_ROLE}", lambda it: f"zero={{{it[1]!r}: None}}", told)
-    told = re.sub(rf"--negate {_A_ROLE}", lambda it: f"negate={{{it[1]!r}}}", told)
-    told = re.sub(r"--(zero|negate)\b", r"\1", told)
+    told = re.sub(rf"{_OPTION}time-of (\w+)=(\w*)", partial(_by_role, "time_of"), text)
+    told = re.sub(rf"{_OPTION}time-of\b", "time_of", told)
+    told = re.sub(rf"{_OPTION}zero {_A_ROLE}=", lambda it: f"zero[{it[1]!r}]", told)
+    told = re.sub(rf"{_OPTION}zero {_A_ROLE}", lambda it: f"zero={{{it[1]!r}: None}}", told)
+    told = re.sub(rf"{_OPTION}negate {_A_ROLE}", lambda it: f"negate={{{it[1]!r}}}", told)
+    told = re.sub(rf"{_OPTION}(zero|negate)\b", r"\1", told)
     for name in SWITCHES:
-        told = re.sub(rf"--{name.replace('_', '-')}(?![\w-])", f"{name}=True", told)
+        told = re.sub(rf"{_OPTION}{name.replace('_', '-')}(?![\w-])", f"{name}=True", told)
     for name in HINTS:
-        told = re.sub(rf"--{name.replace('_', '-')}(?![\w-]){_GIVEN}", partial(_hint, name), told)
+        told = re.sub(rf"{_OPTION}{name.replace('_', '-')}(?![\w-]){_GIVEN}", partial(_hint, name), told)
     for name, field in NUMBERS.items():
-        told = re.sub(rf"--{name}(?![\w-])(?: ([A-Z]\w*\b))?", partial(_number, field), told)
-    told = re.sub(rf"--relative-unit{_UNIT}", partial(_by_option, "units", "relative"), told)
+        told = re.sub(rf"{_OPTION}{name}(?![\w-])(?: ([A-Z]\w*\b))?", partial(_number, field), told)
+    told = re.sub(rf"{_OPTION}relative-unit{_UNIT}", partial(_by_option, "units", "relative"), told)
     for name in sorted(_ROLE, key=len, reverse=True):
         role = _ROLE[name]
-        told = re.sub(rf"--{name}-unit{_UNIT}", partial(_by_option, "units", role), told)
-        told = re.sub(rf"--{name}(?![\w-]){_GIVEN}", partial(_by_option, "columns", role), told)
+        told = re.sub(rf"{_OPTION}{name}-unit{_UNIT}", partial(_by_option, "units", role), told)
+        told = re.sub(rf"{_OPTION}{name}(?![\w-]){_GIVEN}", partial(_by_option, "columns", role), told)
     return text if told == text else f"{told} (testbench.Wish has these fields)"
 
 

@@ -66,6 +66,12 @@ def test_every_kind_of_option_has_its_field(command, python):
     assert in_python("b.csv: no such file") == "b.csv: no such file"
 
 
+@pytest.mark.parametrize("name", ["day--force.csv", "12--time 3.csv", "a.--sort.csv"])
+def test_the_name_of_a_file_stays_as_it_is(name):
+    """``day--force.csv`` was told as ``daycolumns={'force': ...}.csv``."""
+    assert in_python(f"/data/{name}: say --sort") == f"/data/{name}: say sort=True{FIELDS}"
+
+
 def test_no_message_of_the_import_names_an_option_that_has_no_field():
     """Whatever option a message of testbench/importing names, Python's words for it are known."""
     sources = "\n".join(path.read_text() for path in (ROOT / "testbench" / "importing").rglob("*.py"))

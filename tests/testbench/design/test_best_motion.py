@@ -135,7 +135,7 @@ def test_motions_that_need_too_much_force_are_left_out(designed):
     measured, likely, _ = designed
     top = float(np.max(measured.measured["force"]))
     with pytest.raises(UserError, match="no motion keeps these limits"):
-        best_motion(likely, measured, READING, BOUNDS, rest_s=10.0, trials=2, force_max_N=0.2 * top)
+        best_motion(likely, measured, READING, BOUNDS, rest_s=10.0, trials=2, max_force_N=0.2 * top)
 
 
 def test_one_hypothesis_is_no_question(designed):

@@ -8,7 +8,7 @@ import re
 import pytest
 
 import testbench as tb
-from testbench.investigating.limits import ALLOWED, bounds_with
+from testbench.design.limits import ALLOWED, bounds_with
 from tests.testbench.investigating.samples import asked
 
 STRANGE = "bounds: allowed are v_max_mm_per_s, a_max_mm_per_s2, strain_max_percent, duration_s; got speed"
