@@ -189,9 +189,9 @@ def _value(law: proposed_law.FoundLaw, key: str, errors: Mapping[str, float]) ->
 
 def _evidence(law: proposed_law.FoundLaw) -> str:
     return (
-        f"± is one standard error. The recordings speak for it with {law.log_evidence:+.1f} nats of log evidence over "
-        f"the model without it (a nat is a factor of 2.7 in the odds). Where they were resampled, it still gains in "
-        f"{percent(law.gains_in)} of the cases and is the best law in {percent(law.best_in)}."
+        f"± is one standard error. The recordings speak for it with {law.log_evidence:+.1f} nats of log evidence "
+        "over the model without it (a nat is a factor of 2.7 in the odds). Where they were resampled, it still gains "
+        f"in {percent(law.gains_in)} of the cases and is the best law in {percent(law.best_in)}."
     )
 
 
