@@ -49,14 +49,14 @@ def read_all(args: argparse.Namespace, target: str) -> list[Recording]:
     return recordings
 
 
-def check_long_enough(source: str, compensator: TrainedCompensator, duration_s: float) -> None:
+def check_long_enough(source: str, compensator: TrainedCompensator, duration_s: float, what: str = "long") -> None:
     """Refuse a recording of which less was recorded than the slowest memory lasts: it is all beginning."""
     from gcode.support.errors import UserError
 
     if duration_s < compensator.slowest_s:
         raise UserError(
-            f"{source}: {duration_s:.1f} s long, the compensator's slowest memory has {compensator.slowest_s:.0f} s; "
-            "give a longer recording, or train with a smaller --factor or --count"
+            f"{source}: {duration_s:.1f} s {what}, the compensator's slowest memory has {compensator.slowest_s:.0f} "
+            "s; give a longer recording, or train with a smaller --factor or --count"
         )
 
 
@@ -140,6 +140,10 @@ def cross_validation_table(recipe: Mapping[str, Any], unit: str) -> str:
         lines.append(
             f"  for this motion and day; with the gain and zero of another day or specimen about r2 "
             f"{promise['r2_elsewhere']:.2f}: {few} cannot show it, give more, or `compensation recalibrate`"
+        )
+    if promise["r2_ordinary"] <= 0:
+        lines.append(
+            "  no better than a constant: was the reference recorded throughout, and is it that of this sensor?"
         )
     if recipe["chosen"] == "line":
         lines.append("  nothing is better than a straight line here, so that is what you get")

@@ -6,8 +6,10 @@ import argparse
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from compensation.model.compensator import TrainedCompensator
-    from gcode.support.arrays import IntArray
+    from gcode.support.arrays import FloatArray, IntArray
 
 SUMMARY = "apply a compensator to a recording of resistance; no reference is needed"
 EXAMPLE = "compensation predict worn.csv --compensator pes.compensator.json -o compensated.csv"
@@ -30,21 +32,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     import numpy as np
 
-    from compensation.commands.common import check_long_enough, check_places
+    from compensation.commands.common import check_places
     from compensation.model.files import load
     from compensation.model.prediction import predicted
     from compensation.series.preprocessing import target_channel
     from compensation.series.reading import read_samples
     from gcode.support.files import atomic_path
-    from testbench.recordings.recording import recorded_duration_s
 
     check_places(args.output, None)
     compensator = load(args.compensator)
     _check_target(args, compensator)
     time_s, resistance_ohm = read_samples(args.recording)
-    known_s = np.sort(time_s[np.isfinite(time_s)])
-    check_long_enough(args.recording, compensator, recorded_duration_s(known_s) if len(known_s) else 0.0)
     found = predicted(compensator, time_s, resistance_ohm)
+    _check_good(args.recording, compensator, time_s, resistance_ohm, _good(found.status))
     frame = found.to_frame()
     with atomic_path(args.output) as temporary:
         frame.to_csv(temporary, index=False, float_format="%.6f")
@@ -56,6 +56,27 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
+def _good(status: IntArray) -> NDArray:
+    """Which samples were taken: the others repeat the last value."""
+    from compensation.model.runtime import Status
+
+    return status & int(Status.BAD_READING | Status.BAD_STEP) == 0
+
+
+def _check_good(
+    source: str, compensator: TrainedCompensator, time_s: FloatArray, resistance_ohm: FloatArray, good: NDArray
+) -> None:
+    """Refuse what is too short, counting the good samples alone; say so where these are far apart in time."""
+    from compensation.commands.common import check_long_enough
+    from compensation.series.reading import without_reference
+    from testbench.recordings.doubts import say_slow
+    from testbench.recordings.recording import recorded_duration_s
+
+    what = "long" if good.all() else "of good samples (a positive resistance, times in order)"
+    check_long_enough(source, compensator, recorded_duration_s(time_s[good]) if good.any() else 0.0, what)
+    say_slow(without_reference(source, time_s[good], resistance_ohm[good]))
+
+
 def _print_status(status: IntArray) -> None:
     """One line for each doubt that the compensator had, with the share of the samples that it holds for."""
     from compensation.commands.common import NOTHING_KNOWN
@@ -65,7 +86,7 @@ def _print_status(status: IntArray) -> None:
         share = float((status & int(flag) != 0).mean())
         if share and flag != Status.STARTING:
             print(f"  {_percent(share)} {WORDS[flag.name or '']} (status {int(flag)})")
-    good = status & int(Status.BAD_READING | Status.BAD_STEP) == 0
+    good = _good(status)
     if good.any() and (status[good] & int(Status.UNSEEN_READING)).all():
         print(f"  {NOTHING_KNOWN}")
 

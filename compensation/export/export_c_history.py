@@ -3,9 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from string import Template
 
 import numpy as np
 
+from compensation.export.c_template import (
+    MOTION_RESET,
+    MOTION_STATE,
+    MOTION_UPDATE,
+    PLAY_RESET,
+    PLAY_STATE,
+    PLAY_UPDATE,
+    SETTLED_RESET,
+    SETTLED_STATE,
+    SETTLED_UPDATE,
+)
 from compensation.memories.history import History
 from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import beginning_of
@@ -18,15 +30,29 @@ def number(value: float) -> str:
 
 def pieces(compensator: TrainedCompensator, name: str) -> dict[str, str]:
     """What goes into the state, the tables, the reset and the update; empty strings without a history."""
-    history = compensator.history
+    history, filters = compensator.history, len(compensator.alphas)
     if not history.count:
         return dict.fromkeys(("history_state", "history_tables", "history_reset", "history_update"), "")
+    motions, plays = len(history.motion_taus_s), len(history.play_radii)
+    filled = {
+        "name": name,
+        "NAME": name.upper(),
+        "motions": motions,
+        "plays": plays,
+        "filters": filters,
+        "first_play": filters + motions,
+        "per_settle": number(-1.0 / history.settle_s),
+    }
+
+    def text(settled: Template, motion: Template, play: Template) -> str:
+        used = [settled] + ([motion] if motions else []) + ([play] if plays else [])
+        return "".join(part.substitute(filled) for part in used)
+
     return {
-        "history_state": _state(history),
+        "history_state": text(SETTLED_STATE, MOTION_STATE, PLAY_STATE),
         "history_tables": _tables(compensator, name),
-        "history_reset": "    s->settled = 0.0f;\n    s->settled_lost = 0.0f;\n"
-        + _each(history, "{ s->motion[i] = 0.0f; }", "{ s->play[i] = 0.0f; }"),
-        "history_update": _update(history, len(compensator.alphas), name, name.upper()),
+        "history_reset": text(SETTLED_RESET, MOTION_RESET, PLAY_RESET),
+        "history_update": text(SETTLED_UPDATE, MOTION_UPDATE, PLAY_UPDATE),
     }
 
 
@@ -43,18 +69,6 @@ def constants_bytes(history: History) -> int:
 def multiplies(history: History) -> int:
     """Multiplications a sample at the nominal rate; the speed takes a division."""
     return 2 * len(history.motion_taus_s) + len(history.play_radii) + 2 if history.count else 0
-
-
-def _state(history: History) -> str:
-    lines = [
-        "    float settled;                /* the lightly smoothed signal */",
-        "    float settled_lost;           /* what rounding has taken from it */",
-    ]
-    if history.motion_taus_s:
-        lines.append(f"    float motion[{len(history.motion_taus_s)}];              /* its smoothed speeds */")
-    if history.play_radii:
-        lines.append(f"    float play[{len(history.play_radii)}];                /* its play operators */")
-    return "\n".join(lines) + "\n"
 
 
 def _tables(compensator: TrainedCompensator, name: str) -> str:
@@ -77,42 +91,3 @@ def _tables(compensator: TrainedCompensator, name: str) -> str:
         text += table("play_begin_gain", begin.gain[filters + motions :])
         text += table("play_begin_offset", begin.offset[filters + motions :])
     return text
-
-
-def _each(history: History, motion: str, play: str) -> str:
-    loops = ((len(history.motion_taus_s), motion), (len(history.play_radii), play))
-    return "".join(f"    for (uint32_t i = 0u; i < {count}u; i++) {body}\n" for count, body in loops if count)
-
-
-def _update(history: History, at: int, name: str, upper: str) -> str:
-    motions = len(history.motion_taus_s)
-    play = (
-        f"{{\n        const float r = {name}_play_radius[i], low = s->settled - r, high = s->settled + r;\n"
-        f"        if (first != 0u) {{\n"
-        f"            s->play[i] = {name}_play_begin_offset[i] + ({name}_play_begin_gain[i] * x);\n        }}\n"
-        "        s->play[i] = (s->play[i] < low) ? low : s->play[i];\n"
-        "        s->play[i] = (s->play[i] > high) ? high : s->play[i];\n"
-        f"        features[{at + motions}u + i] = s->play[i];\n    }}"
-    )
-    motion = (
-        "{\n"
-        f"        const float slow = (nominal != 0u) ? {name}_motion_gain[i] : {name}_gain({name}_per_s[i] * dt);\n"
-        f"        const float begun = {name}_motion_begin_offset[i] + ({name}_motion_begin_gain[i] * x);\n"
-        "        s->motion[i] = (first != 0u) ? begun : (s->motion[i] + (slow * (speed - s->motion[i])));\n"
-        f"        features[{at}u + i] = s->motion[i];\n    }}"
-    )
-    settle = f"(nominal != 0u) ? {name}_settle_gain : {name}_gain({number(-1.0 / history.settle_s)} * dt)"
-    return (
-        f"    const float dt = (nominal != 0u) ? (1.0f / {upper}_RATE_HZ) : ((first != 0u) ? 0.0f : dt_s);\n"
-        f"    const float moved = ({settle}) * (x - s->settled);\n"
-        "    const float step = moved - s->settled_lost;\n"
-        "    const float next = s->settled + step;\n"
-        "    s->settled_lost = (first != 0u) ? 0.0f : ((next - s->settled) - step);\n"
-        "    s->settled = (first != 0u) ? x : next;\n"
-        + (
-            "    const float speed = (dt > 0.0f) ? (((moved < 0.0f) ? -moved : moved) / dt) : 0.0f;\n"
-            if motions
-            else ""
-        )
-        + _each(history, motion, play)
-    )

@@ -84,6 +84,12 @@ def read_samples(path: str | Path) -> tuple[FloatArray, FloatArray]:
     return time_s, resistance_ohm
 
 
+def without_reference(source: str, time_s: FloatArray, resistance_ohm: FloatArray) -> Recording:
+    """Samples of a resistance as a recording; its targets are zero throughout."""
+    still = {channel: np.zeros(len(time_s)) for channel in (DISPLACEMENT, FORCE)}
+    return Recording(time_s, {**still, RESISTANCE: resistance_ohm}, UNKNOWN_LENGTH_MM, source)
+
+
 def check_tared(recording: Recording, target: str, reach_N: float | None = None) -> None:
     """Refuse a force that was never zeroed: its smallest value is further off than its whole range.
 

@@ -87,7 +87,7 @@ def train_automatically(
     changes = None if whole else one_sigma_changes(compensator, series)
     promise: dict[str, Any] = tried[chosen] | {
         "r2_interval": _interval(truth, predictions[chosen], series),
-        "raw_r2": float(np.mean([score.r2_before(p.truth, p.conductance_S, compensator.sign) for p in series])),
+        "raw_r2": _raw_r2(series, compensator.sign),
         "line_r2": tried[Line.name]["r2"],
         "folds": fold_count(folds),
         "whole_recordings": whole,
@@ -206,6 +206,12 @@ def _trained(
         "settings": dict(learned.settings),
     }
     return ready_for_use(replace(lesson.blank, networks=tuple(networks), recipe=recipe), series)
+
+
+def _raw_r2(series: Sequence[Series], sign: float) -> float:
+    """Mean r2 of the raw signal over the recordings whose target moves; of a rest there is no r2."""
+    moving = [part for part in series if not stands_still(part.truth)]
+    return float(np.mean([score.r2_before(part.truth, part.conductance_S, sign) for part in moving]))
 
 
 def _interval(truth: FloatArray, prediction: FloatArray, series: Sequence[Series]) -> list[float] | None:

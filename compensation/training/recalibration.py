@@ -14,11 +14,10 @@ from pathlib import Path
 import numpy as np
 
 from compensation.model.compensator import Scaling, TrainedCompensator
-from compensation.series.preprocessing import TARGETS, Series
-from compensation.series.reading import UNKNOWN_LENGTH_MM, read_samples
+from compensation.series.preprocessing import Series
+from compensation.series.reading import read_samples, without_reference
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-from testbench.recordings.channels import RESISTANCE
 from testbench.recordings.recording import Recording, gaps_in, recorded_duration_s, recorded_time_s
 
 # How far each wanders between specimens and with age, as standard deviations: log gain and zero (in standard
@@ -74,7 +73,8 @@ def recalibrated(compensator: TrainedCompensator, part: Series) -> TrainedCompen
     Raises
     ------
     UserError
-        If less than 5 s were recorded, or the compensator standardises each recording by itself.
+        If less than 5 s were recorded; if the target stands still while the sensor moves; or if the compensator
+        standardises each recording by itself.
     """
     if compensator.per_recording:
         raise UserError("a compensator trained with --per-recording knows no level that could be corrected")
@@ -84,6 +84,7 @@ def recalibrated(compensator: TrainedCompensator, part: Series) -> TrainedCompen
             f"{part.source}: {duration_s:.1f} s of reference; a recalibration needs at least {LEAST_S:g} s, "
             "and is worth more with 30 to 60 s"
         )
+    _check_of_this_sensor(compensator, part)
     found = correction(compensator, part)
     before, after = (_rms(one, part) for one in (compensator, found.of(compensator)))
     note = {
@@ -146,14 +147,12 @@ def recording_at_rest(compensator: TrainedCompensator, path: str | Path, seconds
     if good.sum() < 2 or not (np.diff(time_s[good]) > 0).all():
         raise UserError(f"{path}: fewer than two good samples in order of time within {seconds:g} s of its beginning")
     time_s, resistance_ohm = time_s[good], resistance_ohm[good]
-    spread = float(np.std(1.0 / resistance_ohm)) / compensator.scaling_in.scale
-    if spread > MOST_AT_REST:
+    if (spread := _spread(compensator, 1.0 / resistance_ohm)) > MOST_AT_REST:
         raise UserError(
             f"{path}: over its first {seconds:g} s the conductance spreads {spread:.2f} times as far as in the "
             f"training, at rest it does {MOST_AT_REST:g} times at most; give --seconds of rest, or leave --rest out"
         )
-    still = {channel: np.zeros(len(time_s)) for channel, _ in TARGETS.values()}
-    return Recording(time_s, {**still, RESISTANCE: resistance_ohm}, UNKNOWN_LENGTH_MM, str(path))
+    return without_reference(str(path), time_s, resistance_ohm)
 
 
 def reach(compensator: TrainedCompensator) -> float:
@@ -183,11 +182,30 @@ def _within_reach(compensator: TrainedCompensator, truth: FloatArray) -> FloatAr
     One that explains a share r2 of the variance falls short by 1 - r2 of the way from the mean. Where the reference
     stands still, at rest at the end of its range, that must not be taken for an error; where it moves, it evens out.
     """
-    promise = compensator.recipe.get("cross_validated")
-    mean, scale = compensator.scaling_out.mean, compensator.scaling_out.scale
-    if np.std(truth) > STILL * scale or promise is None:
+    promise, mean = compensator.recipe.get("cross_validated"), compensator.scaling_out.mean
+    if not _still(compensator, truth) or promise is None:
         return truth
     return mean + float(np.clip(promise["r2"], 0.0, 1.0)) * (truth - mean)
+
+
+def _check_of_this_sensor(compensator: TrainedCompensator, part: Series) -> None:
+    """Refuse a reference that stands still, as of a cell that is not connected, beside a sensor that moves."""
+    spread = _spread(compensator, part.conductance_S)
+    if _still(compensator, part.truth) and spread > MOST_AT_REST:
+        raise UserError(
+            f"{part.source}: the {compensator.target} stands still at {np.mean(part.truth):.3g} {compensator.unit} "
+            f"while the conductance spreads {spread:.2f} times as far as in the training, so it is no reference of "
+            f"this sensor (at rest it spreads {MOST_AT_REST:g} times as far at most); check that it was recorded"
+        )
+
+
+def _still(compensator: TrainedCompensator, truth: FloatArray) -> bool:
+    return bool(np.std(truth) <= STILL * compensator.scaling_out.scale)
+
+
+def _spread(compensator: TrainedCompensator, conductance_S: FloatArray) -> float:
+    """Standard deviation of a conductance, in those of the training."""
+    return float(np.std(conductance_S)) / compensator.scaling_in.scale
 
 
 def _moved(numbers: FloatArray) -> Correction:

@@ -21,7 +21,9 @@ from testbench.measurements.responses import FORCE_CHANNEL, UNIT_OF
 
 REACH = 4.0  # how far the search goes on either side, in plays
 COARSE = 17  # points at which the search begins: half a play apart
-FINE = 0.01  # how closely the best is found, in plays
+FINE = 1e-4  # how closely the best is found, in plays
+SETTLED = 0.01  # relative change of the width from one look at the curvature to the next, below which it is found
+LOOKS = 12  # at the curvature, at most
 TRIED_MM = 0.5  # by how much a displacement is moved to see whether it may have been clamped anew
 TELLING_FALL = 0.2  # share of the error that must go; several effects take less
 
@@ -98,10 +100,20 @@ def zero_of(model: KnitModel, measurement: Measurement) -> Zero:
     return Zero(shift_mm, play_mm * _width(cost, found), play_mm, force_N)
 
 
-def _width(cost: Callable[[float], float], at: float, step: float = 0.05) -> float:
-    """Standard deviation of a posterior around its mode, from the curvature; at most that of the prior."""
-    bend = (cost(at + step) - 2 * cost(at) + cost(at - step)) / step**2
-    return 1 / float(np.sqrt(max(bend, 1.0)))
+def _width(cost: Callable[[float], float], at: float) -> float:
+    """Standard deviation of a posterior around its mode, from the curvature; at most that of the prior.
+
+    The curvature is that over one standard deviation on either side, so the step to look at it over is what is found:
+    over one of the play, however narrow the posterior in it, the cost is no parabola.
+    """
+    here, width = cost(at), 1.0
+    for _ in range(LOOKS):
+        step = width
+        bend = (cost(at + step) - 2 * here + cost(at - step)) / step**2
+        width = 1 / float(np.sqrt(max(bend, 1.0)))
+        if abs(width - step) < SETTLED * step:
+            break
+    return width
 
 
 def may_be_clamped_anew(model: KnitModel, held: Measurement) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 
 from testbench.comparing.cell import Cell
 from testbench.comparing.model_errors import channel_name, noise_floors, rms_errors
+from testbench.comparing.numbers import over_noise
 from testbench.comparing.residual_coordinates import COORDINATES, coordinates
 from testbench.comparing.words import NOISE_REACHED, no_place_in_words, place_in_words
 from testbench.knit.effect import FloatArray
@@ -68,7 +69,7 @@ class Comparison:
     @property
     def over_noise(self) -> dict[str, float]:
         """The error of each channel over its noise floor."""
-        return {channel: rms / max(self.noise_floor[channel], 1e-300) for channel, rms in self.rms.items()}
+        return {channel: over_noise(rms, self.noise_floor[channel]) for channel, rms in self.rms.items()}
 
     @property
     def places(self) -> tuple[str, ...]:
@@ -121,16 +122,17 @@ def compare(model: KnitModel, measurement: Measurement, free_offset: bool = Fals
         counting = values[measurement.counts]
         if free_offset:
             counting = counting - counting.mean()
-        maps[channel] = residual_maps(counting, where, measurement.dt_s)
+        maps[channel] = residual_maps(counting, where)
         if errors[channel] > NOISE_REACHED * floors[channel]:
             places += _places(channel, maps[channel], counting, _size_of(measurement, channel))
     worst = _distinct(sorted(places, key=lambda place: -place.share_of_error))
     return Comparison(errors, floors, maps, tuple(worst))
 
 
-def residual_maps(residual: FloatArray, where: Mapping[str, FloatArray], dt_s: float) -> dict[str, tuple[Cell, ...]]:
+def residual_maps(residual: FloatArray, where: Mapping[str, FloatArray]) -> dict[str, tuple[Cell, ...]]:
     """Mean residual over bins of every coordinate, apart for stretching and releasing where that makes sense."""
-    block = (np.arange(len(residual)) * dt_s // CELL_BLOCK_S).astype(int)
+    elapsed_s = where["elapsed_s"] - where["elapsed_s"][0]
+    block = np.floor(elapsed_s / CELL_BLOCK_S + 1e-9).astype(int)
     direction = where["direction"]
     maps = {}
     for coordinate in COORDINATES:

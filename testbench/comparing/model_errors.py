@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from testbench.comparing.numbers import over_noise
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement, sampled
 from testbench.measurements.noise_level import noise_floor
@@ -44,7 +45,7 @@ def noise_floors(measurement: Measurement) -> dict[str, float]:
 
 def over_the_floors(errors: Mapping[str, float], floors: Mapping[str, float]) -> float:
     """Errors over the noise floors, averaged over the channels."""
-    return sum(errors[channel] / max(floors[channel], 1e-300) for channel in errors) / len(errors)
+    return sum(over_noise(errors[channel], floors[channel]) for channel in errors) / len(errors)
 
 
 def channel_name(channel: str) -> str:

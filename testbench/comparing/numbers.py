@@ -20,8 +20,12 @@ def plain(value: float, digits: int = 3) -> str:
     if not SMALL <= abs(value) < LARGE:
         mantissa, _, power = f"{value:.{digits - 1}e}".partition("e")
         return f"{mantissa}·10{str(int(power)).translate(SUPERSCRIPTS)}"
-    size = math.floor(math.log10(abs(value)))
-    return _fixed(value, digits - 1 - size)
+    return _fixed(value, digits - 1 - _power(value, digits))
+
+
+def _power(value: float, digits: int) -> int:
+    """Power of ten of the first digit, once a number is rounded to so many: 9.996 has three as 10.0."""
+    return int(f"{value:.{digits - 1}e}".partition("e")[2])
 
 
 def _fixed(value: float, decimals: int) -> str:
@@ -35,8 +39,8 @@ def span(low: float, high: float, unit: str = "", between: str = "to") -> str:
     tail = f" {unit}" if unit else ""
     if largest == 0 or not SMALL <= largest < LARGE:
         return f"{plain(low)} {between} {plain(high)}{tail}"
-    size = math.floor(math.log10(largest))
-    return f"{_fixed(low, 2 - size)} {between} {_fixed(high, 2 - size)}{tail}"
+    decimals = 2 - _power(largest, 3)
+    return f"{_fixed(low, decimals)} {between} {_fixed(high, decimals)}{tail}"
 
 
 def in_unit(value: float, unit: str) -> tuple[float, str]:
@@ -61,7 +65,7 @@ def with_error(value: float, error: float, unit: str) -> str:
     tail = f" {name}" if name else ""
     if not (math.isfinite(error) and error > 0) or not SMALL <= max(abs(value), error) < LARGE:
         return f"{plain(value)} ± {plain(error, 2)}{tail}"
-    decimals = min(1 - math.floor(math.log10(error)), 6)
+    decimals = min(1 - _power(error, 2), 6)
     return f"{_fixed(value, decimals)} ± {_fixed(error, decimals)}{tail}"
 
 
@@ -79,3 +83,8 @@ def _bare(value: float) -> str:
     """As it was declared, without trailing zeros."""
     text = plain(value, 3)
     return text.rstrip("0").rstrip(".") if "." in text and "·" not in text else text
+
+
+def over_noise(error: float, floor: float) -> float:
+    """An error in noise floors; many where there is no noise."""
+    return error / max(floor, 1e-300)

@@ -39,19 +39,37 @@ def following(
     Parameters
     ----------
     rest_s : float or None
-        None: a fresh specimen.
+        In which the strain goes from where it was to where the motion begins; None: a fresh specimen.
+
+    Returns
+    -------
+    Measurement
+        The motion is the last of its recordings.
     """
     dt_s = history.dt_s
     time_s = np.arange(0, trajectory.duration_s + dt_s / 2, dt_s)
     new = np.interp(time_s, trajectory.time_s, trajectory.position_mm) / gauge_length_mm
     past = np.zeros(0)
+    begins_s: tuple[float, ...] = ()
+    averaged: tuple[float, ...] = (1.0,)
     if rest_s is not None:
-        past = np.concatenate([history.signals["strain"], np.zeros(max(round(rest_s / dt_s), 1))])
+        seen = history.signals["strain"]
+        rest = np.linspace(seen[-1], new[0], max(round(rest_s / dt_s), 1) + 2)[1:-1]
+        past = np.concatenate([seen, rest])
+        begins_s, averaged = (*history.begins_s, len(past) * dt_s), (*history.averaged, 1.0)
     strain = np.concatenate([past, new])
     signals = inputs(np.arange(len(strain)) * dt_s, strain, _room(history, len(strain), len(past)))
     unread = {channel: np.zeros(len(strain)) for channel in history.measured}
     counts = np.concatenate([np.zeros(len(past), bool), time_s >= BURN_IN_S])
-    return replace(history, signals=signals, measured=unread, counts=counts)
+    return replace(
+        history,
+        signals=signals,
+        measured=unread,
+        counts=counts,
+        strain_noise=np.zeros(len(strain)),
+        averaged=averaged,
+        begins_s=begins_s,
+    )
 
 
 def _room(history: Measurement, count: int, past: int) -> FloatArray | None:

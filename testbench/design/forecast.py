@@ -15,7 +15,7 @@ from gcode.support.errors import UserError
 from testbench.design.information import Prediction
 from testbench.fitting.evidence.evidence import scaled
 from testbench.fitting.evidence.priors import priors_of
-from testbench.fitting.evidence.telling import independent_share
+from testbench.fitting.evidence.telling import in_last_fit, news_of
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
@@ -58,7 +58,7 @@ class Reading:
     noise : mapping of channel to float
         What the best model leaves, in N and in ln S.
     pieces : float
-        Independent pieces of one recording.
+        Independent pieces of one recording, at most.
     """
 
     noise: Mapping[str, float]
@@ -85,36 +85,40 @@ class Forecaster:
         self._parameters = [priors.parameters[k] for k in kept]
         width = (priors.precision[kept] * factor[kept]) ** -0.5
         # What is known of the parameters counts samples as the diagnosis does.
-        share = independent_share(measurement)
-        _, rows, _ = self._linearised(measurement, share)
+        runs = 1 + len(measurement.begins_s)
+        _, rows, _ = self._linearised(measurement, in_last_fit(measurement, reading.pieces * runs))
         rows = rows * width[:, None]
         value, vector = np.linalg.eigh(rows @ rows.T)
         self._spread = width[:, None] * vector / np.sqrt(1.0 + np.maximum(value, 0.0))
 
     def expect(self, measurement: Measurement) -> tuple[Prediction, tuple[float, float]]:
-        """What is expected of the counting samples, and the least and largest force in N (NaN where there is none).
+        """What is expected of the counting samples, and the motion's least and largest force in N (NaN: none).
 
         Parameters
         ----------
         measurement : Measurement
-            A motion that was not made yet, after all that the specimen went through; only the new samples count.
+            A motion that was not made yet, after all that the specimen went through; only its samples count.
         """
-        mean, rows, modelled = self._linearised(measurement, self.reading.pieces / measurement.counts.sum())
+        mean, rows, modelled = self._linearised(measurement, news_of(measurement, self.reading.pieces))
         factor = rows.T @ self._spread
         value, vector = np.linalg.eigh(factor.T @ factor)
-        force_N = modelled.get(FORCE_CHANNEL, np.array([np.nan]))
+        begin = int(np.searchsorted(measurement.signals["time_s"], (0.0, *measurement.begins_s)[-1] - 1e-9))
+        force_N = modelled[FORCE_CHANNEL][begin:] if FORCE_CHANNEL in modelled else np.array([np.nan])
         extremes = float(force_N.min()), float(force_N.max())
         return Prediction(mean, factor @ vector[:, value > NEGLIGIBLE]), extremes
 
-    def _linearised(self, measurement: Measurement, share: float) -> tuple[FloatArray, FloatArray, _Modelled]:
-        """Means and sensitivities over the noise, channels in a row, shapes (m,) and (p, m); and what is read."""
+    def _linearised(self, measurement: Measurement, news: float) -> tuple[FloatArray, FloatArray, _Modelled]:
+        """Means and sensitivities over the noise, channels in a row, shapes (m,) and (p, m); and what is read.
+
+        The samples that count tell as much as so many (`news`) independent ones.
+        """
         modelled, jacobian = sensitivities(self.likely.model, self._parameters, measurement, SimulationCache())
         if unread := [channel for channel in self.reading.noise if channel not in modelled]:
             raise UserError(
                 f"the model of {self.likely.name} says nothing of {unread[0]}: it needs a law of that channel, "
                 "and the recordings a column of it"
             )
-        over = {c: np.sqrt(share) / noise for c, noise in self.reading.noise.items()}
         counts = measurement.counts
+        over = {c: np.sqrt(news / counts.sum()) / noise for c, noise in self.reading.noise.items()}
         mean = np.concatenate([modelled[c][counts] * over[c] for c in over])
         return mean, np.hstack([jacobian[c][:, counts] * over[c] for c in over]), modelled

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from testbench.fitting.evidence.laplace import fitted
+from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.fitting.evidence.sample_noise import known_noise
 from testbench.fitting.evidence.telling import independent_share
 from testbench.knit.effect import FloatArray
@@ -81,15 +82,23 @@ def imitate(truth: Rival, imitator: Rival, measurement: Measurement, noise: Nois
     """
     modelled = measurement.modelled(truth.model)
     clean = replace(measurement, measured={channel: modelled[channel] for channel in noise})
-    likelihood = known_noise(clean, noise)
-    model, before = imitator.model, np.inf
+    known = known_noise(clean, noise)
+    # From far away the valleys of the noise that is known are narrow: the first searches take what is left for noise.
+    found = _searched(truth, imitator, replace(known, is_known=False), noise)
+    found += _searched(truth, found[-1][0], known, noise)
+    return min((left for _, left in found), key=lambda left: left.log_odds)
+
+
+def _searched(truth: Rival, imitator: Rival, likelihood: Likelihood, noise: Noise) -> list[tuple[Rival, Imitation]]:
+    """Where each of a few searches has come to, each from the end of the one before, and what is left there."""
+    clean, before, found = likelihood.measurement, np.inf, []
     for _ in range(SEARCHES):
-        model = fitted(model, likelihood, model).model
-        left = {c: _counted(values, clean) / noise[c] for c, values in clean.residual(model).items()}
-        found = Imitation(truth.name, imitator.name, left, independent_share(clean))
-        if found.log_odds > ENOUGH * before:
+        imitator = replace(imitator, model=fitted(imitator.model, likelihood, imitator.model).model)
+        left = {c: _counted(values, clean) / noise[c] for c, values in clean.residual(imitator.model).items()}
+        found.append((imitator, Imitation(truth.name, imitator.name, left, independent_share(clean))))
+        if found[-1][1].log_odds > ENOUGH * before:
             break
-        before = found.log_odds
+        before = found[-1][1].log_odds
     return found
 
 

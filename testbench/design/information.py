@@ -59,14 +59,16 @@ def information(predictions: Sequence[Prediction], probabilities: Sequence[float
     predictions : sequence of Prediction
         Of one motion, one of each hypothesis.
     probabilities : sequence of float
-        Probabilities of the hypotheses; they are normalised.
+        Probabilities of the hypotheses; they are normalised. What cannot be is neither told nor told from.
 
     Returns
     -------
     Information
     """
-    gaussians = _spanned(predictions)
-    weight = np.asarray(probabilities, dtype=float) / np.sum(probabilities)
+    possible = [(one, chance) for one, chance in zip(predictions, probabilities, strict=True) if chance > 0]
+    gaussians = _spanned([one for one, _ in possible])
+    weight = np.array([chance for _, chance in possible], dtype=float)
+    weight /= weight.sum()
     near = np.array([[_bhattacharyya(one, other) for other in gaussians] for one in gaussians])
     far = np.array([[_divergence(one, other) for other in gaussians] for one in gaussians])
     entropy = float(-weight @ np.log(weight))

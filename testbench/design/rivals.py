@@ -93,10 +93,8 @@ def shared_noise(files: Sequence[ModelFile]) -> dict[str, float]:
     if not shared:
         raise UserError("the models were fitted on different channels; give rivals that share force or resistance")
     spreads = [file.fit.get("residual_scale", {}) for file in files]
-    return {
-        channel: max(floors[0][channel], min(s.get(channel, floors[0][channel]) for s in spreads))
-        for channel in shared
-    }
+    both = list(zip(floors, spreads, strict=True))
+    return {channel: min(max(f[channel], s.get(channel, 0.0)) for f, s in both) for channel in shared}
 
 
 def _named(files: Sequence[ModelFile], stems: Sequence[str]) -> list[Rival]:

@@ -51,7 +51,7 @@ def concluded(
     verdict = first.verdict(whole_of(rounds, put_in))
     if verdict != "missing":
         put_in = []
-    left = first.left_everywhere(*put_in) if put_in else 1.0
+    left = first.left(*put_in, everywhere=True) if put_in else 1.0
     lead = leading(put_in)
     most, beside = rounds[lead], whole_of(rounds[lead:], put_in[lead:])
     after = _ladder(search, bare, put_in, before, calibration, held)
@@ -147,7 +147,7 @@ def _ranked(
     return named(
         log_evidence=step.added(own),
         gain=float(np.mean([2 * np.log(base.evidence.sigma[c] / s) for c, s in h.evidence.sigma.items()])),
-        left=step.left_everywhere(own),
+        left=step.left(own, everywhere=True),
         held_out_gain=gain_interval(bare, block_energies(h.model, held)),
         start=h.model[own.name],
     )

@@ -6,7 +6,7 @@ from testbench.comparing.ladder import step_before
 from testbench.comparing.tables import ladder_table
 from testbench.comparing.words import listed, percent, percent_left, spoken
 from testbench.diagnosis.judging.probabilities import NOTHING, UNKNOWN
-from testbench.diagnosis.judging.rounds import LEFT_AT_MOST
+from testbench.diagnosis.judging.weighing import LEFT_AT_MOST
 from testbench.diagnosis.result import Diagnosis, Ranked
 
 SHOWN = 6

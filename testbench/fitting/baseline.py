@@ -52,9 +52,7 @@ def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = No
     return KnitModel.of(*laws, *contacts, *last)
 
 
-def kinds_of_conduction(
-    model: KnitModel, measurement: Measurement, catalogue: Catalogue | None = None
-) -> list[KnitModel]:
+def kinds_of_conduction(model: KnitModel, measurement: Measurement, catalogue: Catalogue) -> list[KnitModel]:
     """The model and, where it makes the conductance from the strain, also the one with contacts under the force.
 
     Conductance that falls with stretch may be that of contacts: an effect on them may turn a whole recording round.
@@ -62,7 +60,7 @@ def kinds_of_conduction(
     of_strain = any(effect.mechanism == "piezoresistance" for effect in model.effects.values())
     if not (of_strain and {FORCE_CHANNEL, CONDUCTANCE_CHANNEL} <= measurement.measured.keys()):
         return [model]
-    drive, contact = _driven_contact(measurement, (catalogue or load_catalogue()).effects)
+    drive, contact = _driven_contact(measurement, catalogue.effects)
     return [model, model.plus(drive).plus(contact)]
 
 
@@ -73,12 +71,12 @@ def _driven_contact(measurement: Measurement, effects: dict[str, type[Effect]]) 
     return driven_contact(effects["contact_drive"](), effects["contact"](), strain[seen], force[seen], log_g[seen])
 
 
-def with_zeros(model: KnitModel, measurement: Measurement, catalogue: Catalogue | None = None) -> KnitModel:
+def with_zeros(model: KnitModel, measurement: Measurement, catalogue: Catalogue) -> KnitModel:
     """The model with the zeros of each of several recordings free, if the sensor was clamped anew for each."""
     begins_s = measurement.begins_s
     if not (begins_s and measurement.clamp_play_mm):
         return model
-    effects, none = (catalogue or load_catalogue()).effects, (0.0,) * len(begins_s)
+    effects, none = catalogue.effects, (0.0,) * len(begins_s)
     model = model.plus(effects["displacement_zeros"].model_validate({"begins_s": begins_s, "strain": none}))
     if FORCE_CHANNEL in measurement.measured:
         model = model.plus(effects["force_zeros"].model_validate({"begins_s": begins_s, "force_N": none}))
@@ -90,13 +88,13 @@ def without_zeros(model: KnitModel) -> KnitModel:
     return without_laws(model, ZEROS)
 
 
-def laws_that_may_act(model: KnitModel, measurement: Measurement, catalogue: Catalogue | None = None) -> list[Effect]:
+def laws_that_may_act(model: KnitModel, measurement: Measurement, catalogue: Catalogue) -> list[Effect]:
     """Laws of a base that only some recordings need: the model has none at their stage, and the data a start."""
     if FORCE_CHANNEL not in measurement.measured:
         return []
     signals = {"strain": measurement.signals["strain"], "force_N": measurement.measured[FORCE_CHANNEL]}
     stages = {effect.stage for effect in model.effects.values()}
-    laws = (law for law in (catalogue or load_catalogue()).effects.values() if law.in_base)
+    laws = (law for law in catalogue.effects.values() if law.in_base)
     missing = [law() for law in laws if law.stage not in stages and set(law.writes) <= signals.keys()]
     return [law.near(**start) for law in missing for start in law.starts(signals, {})]
 

@@ -19,6 +19,10 @@ from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
 
+ON_IT = 1e-7  # of a parameter's weak width: nearer than that to a bound it is on it
+LEARNT = 0.7  # of the standard deviation before the data: what is known less well is not identified
+ALIKE = 0.98  # correlation beyond which a recording can hardly tell two parameters apart
+
 
 @dataclass(frozen=True)
 class Fit:
@@ -64,20 +68,20 @@ class Fit:
 
     def at_bound(self) -> list[str]:
         """Addresses of parameters that ended on a bound."""
-        near = 1e-7 * np.array([p.width for p in self.parameters])
+        near = ON_IT * np.array([p.width for p in self.parameters])
         at_low, at_high = self.vector - self.parameters.low <= near, self.parameters.high - self.vector <= near
         return [p.address for p, on_it in zip(self.parameters, at_low | at_high, strict=True) if on_it]
 
     def unidentified(self) -> list[str]:
         """Addresses of parameters about which this recording says nearly nothing beyond the prior."""
-        known = self.standard_errors < 0.7 * self.prior_sd
+        known = self.standard_errors < LEARNT * self.prior_sd
         return [p.address for p, ok in zip(self.parameters, known, strict=True) if not ok]
 
-    def correlated(self, limit: float = 0.98) -> list[tuple[str, str, float]]:
+    def correlated(self) -> list[tuple[str, str, float]]:
         """Pairs that this recording can hardly tell apart, with their correlation."""
         errors = np.maximum(self.standard_errors, 1e-150)  # their products must not vanish
         correlation = self.covariance / np.outer(errors, errors)
-        rows, columns = np.nonzero(np.triu(np.abs(correlation) > limit, 1))
+        rows, columns = np.nonzero(np.triu(np.abs(correlation) > ALIKE, 1))
         names = [p.address for p in self.parameters]
         return [(names[i], names[j], float(correlation[i, j])) for i, j in zip(rows, columns, strict=True)]
 

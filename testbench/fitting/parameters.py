@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 # Parameters that describe the data (their range, moments of events), not the sensor: set from them, never fitted.
 FRAME_PARAMETERS = frozenset({"span", "span_N", "low_N", "tension_N", "slip_times_s", "reach_per_s", "begins_s"})
 HELD = 1e12  # prior precision, in the fit's coordinate, of a parameter that stays where it is
+SHARE_OF_RANGE = 0.1  # of the range of a reading: how large a correction usually is, if nothing else was declared
 LARGEST_LOG = 700.0  # the exponential of a larger number is no float any more
 
 
@@ -114,13 +115,13 @@ class FreeParameters(tuple[FreeParameter, ...]):
 
 
 def shape_scales(measurement: Measurement) -> dict[str, float]:
-    """Typical size of a correction, by unit: a tenth of the force's range, 0.3 in ln G, a sensor's own resistance."""
+    """Typical size of a correction, by unit: a share of the range of the readings, a sensor's own resistance."""
     scales = {"1": 0.3, "1/ks": 0.1, "N": 1.0}
     if FORCE_CHANNEL in measurement.measured:
-        scales["N"] = 0.1 * float(np.ptp(measurement.measured[FORCE_CHANNEL]))
+        scales["N"] = SHARE_OF_RANGE * float(np.ptp(measurement.measured[FORCE_CHANNEL]))
     if CONDUCTANCE_CHANNEL in measurement.measured:
         log_conductance = measurement.measured[CONDUCTANCE_CHANNEL]
-        scales["1"] = max(0.1 * float(np.ptp(log_conductance)), 0.02)
+        scales["1"] = max(SHARE_OF_RANGE * float(np.ptp(log_conductance)), 0.02)
         scales["S"] = float(np.exp(np.median(log_conductance)))
         scales["ohm"] = 1 / scales["S"]
     return scales

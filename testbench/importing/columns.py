@@ -123,7 +123,7 @@ def _check_one_table(sheet: Sheet, columns: Sequence[Column], frame: pd.DataFram
         speaking[full[[_are_names(taken.iloc[row], columns) for row in full]]] = 1
     again = np.flatnonzero((speaking > 1) | ((speaking > 0) & (worded > 1) & (worded == filled)))
     if again.size:
-        names = ", ".join(str(frame[column.number].iloc[again[0]]) for column in columns)
+        names = ", ".join(map(str, taken.iloc[again[0]].dropna()))
         raise UserError(
             f"{sheet.path}: row {rows[again[0]]} has other names or units ({shortened(names)}), so another table "
             "begins there: end the file before it, or part it into one file each"
@@ -200,7 +200,7 @@ def _note(read: Read, column: Column, cells, wrong: int | None, kind: str, decim
     if decimal and may_be_thousands(cell, decimal):
         mark = "," if decimal == "." else "."
         remedy = f"if {mark!r} parts thousands, say --thousands {mark}; if it is the decimal sign, --decimal {mark}"
-    read.wrong.append(f"row {read.rows[wrong]}: {name} must be {kind}, got {cell!r}; {remedy}")
+    read.wrong.append(f"row {read.rows[wrong]}: {name} must be {kind}, got {shortened(cell)!r}; {remedy}")
 
 
 def _in_words(one: Taken, values: np.ndarray) -> str:

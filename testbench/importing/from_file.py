@@ -19,7 +19,7 @@ from testbench.importing.files.opening import open_sheet
 from testbench.importing.gauge import gauge_doubt
 from testbench.importing.imported import Imported
 from testbench.importing.layout import Column, misfit
-from testbench.importing.rows import channels_of, check_change, in_order, repeats_of, usable
+from testbench.importing.rows import channels_of, check_change, in_order, mostly_one_gap, repeats_of, usable
 from testbench.importing.sheet import Sheet
 from testbench.importing.signs import doubts, turned, zeroed
 from testbench.importing.tables_above import left_out, passed_over
@@ -52,7 +52,7 @@ def look(path: Path, wish: Wish) -> tuple[Sheet, Choice]:
         If the file cannot be read, or a column or unit that `wish` names is not there.
     """
     sheet = open_sheet(path, wish.names(), wish.hints)
-    if shifted := misfit(sheet.head, sheet.layout):
+    if shifted := misfit(sheet.head, sheet.layout, sheet.whole_names):
         raise UserError(
             f"{path}: {shifted}: which name belongs to which column cannot be told; mend the file, or say "
             "--header-row 0 and --units-row 0 and give columns by number"
@@ -179,6 +179,7 @@ def _recorded(
     done = Imported(recording, label, int((~kept).sum()), moved, repeated, float(when_s[0]), dict(read.words))
     strained = gauge_doubt(sheet, choice, read, wish.gauge_length_mm)
     done.doubts = [*_doubts(choice, recording, wish), *([strained] if strained else [])]
+    done.doubts += mostly_one_gap(when_s, numbers_of[index])
     done.notes = [*choice.notes, *told, *_remarks(choice, recording, wish)]
     done.details = _details(sheet, choice, wish, done)
     return done

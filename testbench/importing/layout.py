@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from statistics import mode
 
 from testbench.importing.vocabulary.headings import Heading, power_of_ten, read_heading
 from testbench.importing.vocabulary.laboratory_units import units_spelt
@@ -98,16 +99,18 @@ def find_layout(
     return Layout(header, units_row or None, start + 1, _columns(rows, header, units_row or None, start))
 
 
-def misfit(rows: Rows, layout: Layout) -> str:
+def misfit(rows: Rows, layout: Layout, whole_names: bool = False) -> str:
     """What is wrong where names or units do not stand over the numbers, cell by cell; empty where nothing is.
 
     A name too many (an unquoted comma in it) or too few (a first column of row numbers without a name) would shift
-    the meaning of every column behind it.
+    the meaning of every column behind it. Where no name can hold what parts the columns (`whole_names`), one too many
+    is that of a column at the end which nobody filled.
     """
     body = _numbers_of(rows, layout.first_row - 1)
-    most, filled = max(map(len, body)), max(map(width_of, body))
+    most, filled = max(map(len, body)), _usual_width(body)
     for what, row in (("names", layout.header_row), ("units", layout.units_row)):
-        if row is not None and not (width_of(rows[row - 1]) <= most and filled <= len(rows[row - 1])):
+        too_many = row is not None and width_of(rows[row - 1]) > most and not whole_names
+        if row is not None and (too_many or filled > len(rows[row - 1])):
             return f"row {row} has {width_of(rows[row - 1])} {what}, the rows of numbers below it {filled} columns"
     return ""
 
@@ -153,6 +156,11 @@ def _numbers_of(rows: Rows, start: int) -> list[Sequence[str]]:
     return [row for row in rows[start : start + TOP_ROWS] if is_data(row)]
 
 
+def _usual_width(body: Rows) -> int:
+    """How wide most rows of numbers are; a wider one among them is two that ran together, or has a cell too many."""
+    return mode(map(width_of, body))
+
+
 def _first_numbers(rows: Rows, after: int) -> int | None:
     return next((place for place in range(after, len(rows)) if is_data(rows[place])), None)
 
@@ -169,7 +177,17 @@ def _longest_run(rows: Rows) -> int | None:
             begin, length = place, int(is_data(cells))
         if length > best_length:
             best, best_length = begin, length
-    return best
+    above = best or 0
+    while above and _has_more_beside(rows[above - 1], rows[best or 0]):
+        above -= 1
+    return best and above
+
+
+def _has_more_beside(cells: Sequence[str], first: Sequence[str]) -> bool:
+    """Whether a row is one of the table that begins below it, with something beside the table (``max``, ``6.8``)."""
+    mine, width = cells[: width_of(first)], width_of(first)
+    alike = words_in(mine) == words_in(first[:width]) and count_numbers(mine) == count_numbers(first)
+    return width_of(cells) > width > 1 and alike
 
 
 def _is_alike(cells: Sequence[str], first: Sequence[str]) -> bool:
@@ -239,7 +257,7 @@ def _units_between(rows: Rows, header: int | None, start: int, width: int) -> in
 def _columns(rows: Rows, header: int | None, units_row: int | None, start: int) -> tuple[Column, ...]:
     names = list(rows[header - 1]) if header else []
     units = list(rows[units_row - 1]) if units_row else []
-    width = max([len(row) for row in _numbers_of(rows, start)] + [width_of(names)])
+    width = max(_usual_width(_numbers_of(rows, start)), width_of(names))
     return tuple(_column(place + 1, _cell(names, place), _cell(units, place), units_row) for place in range(width))
 
 

@@ -130,11 +130,21 @@ def in_order(path: Path, rows: np.ndarray, time_s: np.ndarray, sort: bool) -> tu
 
 
 def _for_order(time_s: np.ndarray) -> str:
-    """What to do about times that do not increase; those of whole seconds at a higher rate are no time to sort by."""
+    """What to do about times that do not increase; those that most rows share with others are no time to sort by.
+
+    Such are whole seconds at a higher rate, and a part of the time that begins anew, as milliseconds do every second.
+    """
     steps = np.diff(time_s)
     repeated, onward = int((steps == 0).sum()), steps[steps > 0]
-    if repeated <= MOSTLY * len(time_s) or not onward.size:
+    shared = len(time_s) - len(np.unique(time_s))
+    if shared <= MOSTLY * len(time_s) or not onward.size:
         return "--sort puts rows in order and drops repeated times"
+    if repeated <= MOSTLY * len(time_s):
+        return (
+            f"the time falls back {int((steps < 0).sum())} times, and {shared} of {len(time_s)} rows have one that "
+            "another row has, too, as where the column is only a part of the time (ms within the second): say --time "
+            "COL, a column with the whole time, or --rate-hz F in its place; --sort would drop them"
+        )
     rate_hz = len(time_s) / (len(time_s) - repeated) / float(np.median(onward))
     return (
         f"{repeated} of {len(time_s)} rows have the time of the row above, as where it is written in whole seconds: "
@@ -158,6 +168,25 @@ def _restart(time_s: np.ndarray) -> int:
         if before[-1] - time_s[at] > far and len(behind) > FAR and len(between):
             return int(at)
     return 0
+
+
+def mostly_one_gap(time_s: np.ndarray, rows: np.ndarray) -> list[str]:
+    """A sentence where more than half of the time lies between two samples, as before a row of results.
+
+    Parameters
+    ----------
+    time_s, rows : ndarray, each shape (n,)
+        Increasing times, and the row of the file that each is from.
+    """
+    steps = np.diff(time_s)
+    at = int(steps.argmax())
+    if len(steps) < 2 or 2 * steps[at] <= time_s[-1] - time_s[0]:
+        return []
+    return [
+        f"between row {rows[at]} and row {rows[at + 1]} there is no sample for {steps[at]:.4g} s of the "
+        f"{time_s[-1] - time_s[0]:.4g} s: if a row of results or of another test is among the samples, take it out "
+        "of the file"
+    ]
 
 
 def repeats_of(counter: np.ndarray, time_s: np.ndarray) -> list[tuple[str, np.ndarray]]:

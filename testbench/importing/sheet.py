@@ -97,6 +97,11 @@ class Sheet:
         """Whether each word of a remark is a cell of its own, as where blanks part the cells."""
         return False
 
+    @property
+    def whole_names(self) -> bool:
+        """Whether no name can have been parted by a sign in it, as a comma parts ``Load, cell 2``."""
+        return True
+
     def blank(self, frame: pd.DataFrame) -> np.ndarray:
         """Which rows of columns that `body` gave are empty, as booleans of shape (n,)."""
         return frame.isna().all(axis=1).to_numpy(dtype=bool)

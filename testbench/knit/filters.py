@@ -33,13 +33,14 @@ def hold_coefficients(tau_s: FloatArray, dt_s: float) -> tuple[FloatArray, Float
     a, b0, b1 : ndarray, each shape (k,)
     """
     tau_s = np.atleast_1d(np.asarray(tau_s, dtype=np.float64))
-    ratio = dt_s / np.maximum(tau_s, 1e-12 * dt_s)
+    forgetful = tau_s < 1e-12 * dt_s
+    ratio = dt_s / np.where(forgetful, dt_s, tau_s)
     a = np.exp(-ratio)
     mean = -np.expm1(-ratio) / ratio
     slow = ratio < 1e-3  # series instead of a difference of nearly equal numbers
     b0 = np.where(slow, ratio / 2 - ratio**2 / 6, 1 - mean)
     b1 = np.where(slow, ratio / 2 - ratio**2 / 3, mean - a)
-    return a, b0, b1
+    return np.where(forgetful, 0.0, a), np.where(forgetful, 1.0, b0), np.where(forgetful, 0.0, b1)
 
 
 def lowpass(x: FloatArray, tau_s: float, dt_s: float, start: float | None = None) -> FloatArray:
@@ -94,12 +95,18 @@ def memory(x: FloatArray, tau_s: FloatArray, weights: FloatArray, dt_s: float) -
 def memory_of_two_times(
     x: FloatArray, fraction: float, share: float, fast_s: float, slow_s: float, dt_s: float
 ) -> FloatArray:
-    """`memory` of two times: `fraction` is forgotten in the end, `share` of it by the quick one."""
-    return memory(x, np.array([fast_s, slow_s]), fraction * np.array([share, 1 - share]), dt_s)
+    """`memory` of two times: `fraction` is forgotten in the end, `share` of it by the quick one.
+
+    The slow one is never quicker: else two pairs of times, and shares of them, would be one law.
+    """
+    return memory(x, np.array([fast_s, max(slow_s, fast_s)]), fraction * np.array([share, 1 - share]), dt_s)
 
 
 def memory_of_box(x: FloatArray, fraction: float, shortest_s: float, longest_s: float, dt_s: float) -> FloatArray:
-    """`memory` of a box of relaxation times between two: `fraction` is forgotten in the end."""
+    """`memory` of a box of relaxation times between two: `fraction` is forgotten in the end.
+
+    The longest is never shorter than the shortest: else two orders of them would be one law.
+    """
     times_s, weights = spectra.box(shortest_s, longest_s)
     return memory(x, times_s, fraction * weights, dt_s)
 

@@ -103,10 +103,9 @@ def _bouc_wen_in_parts(z: float, step: float, skew: float, exponent: float) -> f
     return z
 
 
-@njit("float64[:](float64[:], float64, float64, float64, boolean)", cache=True, nogil=True)
-def _bouc_wen(x: FloatArray, threshold: float, skew: float, exponent: float, exact: bool) -> FloatArray:
+@njit("float64[:](float64[:], float64, float64, float64, boolean, float64)", cache=True, nogil=True)
+def _bouc_wen(x: FloatArray, threshold: float, skew: float, exponent: float, exact: bool, z: float) -> FloatArray:
     out = np.empty_like(x)
-    z = 0.0
     out[0] = z
     for i in range(1, len(x)):
         step = (x[i] - x[i - 1]) / threshold
@@ -121,12 +120,12 @@ def bouc_wen(x: FloatArray, threshold: float, skew: float, exponent: float) -> F
 
     dz = (1 - |z|^exponent ((1 - skew) sgn(dx z) + skew)) dx / threshold
     """
-    return _bouc_wen(x, threshold, skew, exponent, False)
+    return _bouc_wen(x, threshold, skew, exponent, False, 0.0)
 
 
-def bouc_wen_of_exponent_1(x: FloatArray, threshold: float, skew: float) -> FloatArray:
-    """The same at exponent 1, where each step is known exactly; without skew it is Dahl friction."""
-    return _bouc_wen(x, threshold, skew, 1.0, True)
+def bouc_wen_of_exponent_1(x: FloatArray, threshold: float, skew: float, start: float = 0.0) -> FloatArray:
+    """The same at exponent 1, where each step is known exactly, from `start` on; without skew it is Dahl friction."""
+    return _bouc_wen(x, threshold, skew, 1.0, True, start)
 
 
 @njit("float64[:](float64[:], float64)", cache=True, nogil=True)
@@ -215,15 +214,19 @@ def turns(x: FloatArray, back: float) -> tuple[FloatArray, FloatArray, FloatArra
     """Where `x` last turned, where that became known, and how often it has turned, each shape (n,).
 
     A turn is known once `x` has come back from its extreme by more than `back`; wobbles below are none. When that was
-    is told between the samples, so that it moves smoothly with `back`.
+    is told between the samples, so that it moves smoothly with `back`. The first way, too, begins at an extreme, not
+    at the first sample; since no more than a wobble may have led there, that is no turn.
     """
     turned, known, count = np.empty_like(x), np.empty_like(x), np.empty_like(x)
     heading, extreme, at = 0.0, x[0], 0
+    lowest, highest = x[0], x[0]  # before the first way is known
     last_turned, last_known, so_far = 0, 0.0, 0
     for i in range(len(x)):
-        if heading == 0.0 and abs(x[i] - x[0]) > back:
-            heading = 1.0 if x[i] > x[0] else -1.0
-            extreme, at = x[i], i
+        if heading == 0.0:
+            lowest, highest = min(lowest, x[i]), max(highest, x[i])
+            if highest - lowest > back:
+                heading = 1.0 if x[i] == highest else -1.0
+                extreme, at = x[i], i
         elif (x[i] - extreme) * heading > 0.0:
             extreme, at = x[i], i
         elif (extreme - x[i]) * heading > back:

@@ -78,7 +78,8 @@ class KnitModel:
     def plus(self, effect: Effect, name: str | None = None) -> KnitModel:
         """A model with `effect` at the end of its stage; a law takes the place of another of the same mechanism.
 
-        So does a law that makes a signal (conductance from the strain) of another that makes it (from contacts).
+        So does a law that makes a signal (conductance from the strain) of another that makes it (from contacts). A
+        model knows no recording: of an effect on what was not measured, a fit says that the recording cannot tell.
 
         Parameters
         ----------

@@ -22,7 +22,7 @@ def box(shortest_s: float, longest_s: float, terms: int = 12) -> Spectrum:
 
     Source: Fung, Biomechanics (1993), section 7.6 (reduced relaxation function with a box spectrum).
     """
-    shortest_s, longest_s = min(shortest_s, longest_s), max(shortest_s, longest_s)
+    longest_s = max(longest_s, shortest_s)
     middles = (np.arange(terms) + 0.5) / terms
     return shortest_s * (longest_s / shortest_s) ** middles, np.full(terms, 1.0 / terms)
 

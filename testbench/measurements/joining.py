@@ -11,7 +11,7 @@ from testbench.knit.effect import FloatArray
 from testbench.knit.model import inputs
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.motion import reading_noise
-from testbench.measurements.preparing import MAX_GRID_HZ, prepare
+from testbench.measurements.preparing import prepare
 from testbench.measurements.splitting import check_gauge_length
 from testbench.recordings.recording import Recording
 
@@ -31,6 +31,7 @@ def joined(recordings: Sequence[Recording], rests_s: Sequence[float], clamp_play
     Returns
     -------
     Measurement
+        On the grid of the recording that was sampled most often, so that the order tells nothing but the history.
         Samples of the rests do not count; a model is simulated through them.
 
     Raises
@@ -40,12 +41,14 @@ def joined(recordings: Sequence[Recording], rests_s: Sequence[float], clamp_play
     """
     for one in recordings[1:]:
         check_gauge_length(one, recordings[0])
-    first = prepare(recordings[0])
-    rate_hz = min(1.0 / first.dt_s, MAX_GRID_HZ)
+    alone = [prepare(one) for one in recordings]
+    if len(alone) == 1:
+        return alone[0]
+    rate_hz = 1.0 / min(one.dt_s for one in alone)
     parts = [prepare(one, rate_hz=rate_hz) for one in recordings]
-    if len(parts) == 1:
-        return parts[0]
-    gaps = [0, *(max(round(rest_s * rate_hz), 1) for rest_s in rests_s)]
+    beyond_s = [one.duration_s - float(p.grid_s[-1]) for one, p in zip(recordings, parts, strict=True)]
+    between_s = [over_s + p.start_s for over_s, p in zip(beyond_s[:-1], parts[1:], strict=True)]
+    gaps = [0, *(_gap(*both, rate_hz) for both in zip(between_s, rests_s, strict=True))]
     lengths = [0, *(len(p.counts) for p in parts[:-1])]
     starts = np.cumsum([gap + before for gap, before in zip(gaps, lengths, strict=True)])
     strain = _chained([p.signals["strain"] for p in parts], gaps)
@@ -59,7 +62,7 @@ def joined(recordings: Sequence[Recording], rests_s: Sequence[float], clamp_play
         signals["clamping"] = np.searchsorted(starts[1:], np.arange(len(strain)), side="right").astype(float)
     whole = _one_recording(recordings, starts / rate_hz, [p.start_s for p in parts])
     noise = _chained([p.strain_noise for p in parts], gaps)
-    averaged = float(np.mean([p.averaged for p in parts]))
+    averaged = tuple(samples for p in parts for samples in p.averaged)
     start_s, begins_s = parts[0].start_s, tuple((starts[1:] / rate_hz).tolist())
     return Measurement(
         signals, 1 / rate_hz, measured, counts, whole, noise, start_s, averaged, clamp_play_mm, begins_s
@@ -74,6 +77,18 @@ def last_of(recordings: Sequence[Recording], rests_s: Sequence[float], clamp_pla
     whole, last = joined(recordings, rests_s, clamp_play_mm), recordings[-1]
     counts = whole.counts & (whole.signals["time_s"] >= whole.begins_s[-1])
     return replace(whole, counts=counts, recording=replace(whole.recording, source=last.source))
+
+
+def _gap(sampled_s: float, rest_s: float, rate_hz: float) -> int:
+    """Grid points between two recordings, such that the samples of one begin a rest after those of the other.
+
+    Parameters
+    ----------
+    sampled_s : float
+        Between the last grid point of the one and the first of the other, in which there are samples.
+    """
+    least = int(sampled_s * rate_hz)
+    return max(round((sampled_s + rest_s) * rate_hz) - 1, least, 1)
 
 
 def _chained(values: Sequence[FloatArray], gaps: Sequence[int]) -> FloatArray:

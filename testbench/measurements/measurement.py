@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from statistics import harmonic_mean
 
 import numpy as np
 
@@ -38,8 +39,8 @@ class Measurement:
         Standard deviation of the noise that is left in the strain.
     start_s : float
         Time of the first grid point after the recording's first sample.
-    averaged : float
-        Samples whose mean is as noisy as a grid point.
+    averaged : tuple of float
+        Samples whose mean is as noisy as a grid point, of each recording.
     clamp_play_mm : float
         Where the sensor was clamped anew for this recording: by how much the zero of its displacement may lie
         elsewhere (standard deviation). 0: it was not.
@@ -54,7 +55,7 @@ class Measurement:
     recording: Recording
     strain_noise: FloatArray
     start_s: float = 0.0
-    averaged: float = 1.0
+    averaged: tuple[float, ...] = (1.0,)
     clamp_play_mm: float = 0.0
     begins_s: tuple[float, ...] = ()
 
@@ -72,6 +73,15 @@ class Measurement:
     def is_read(self) -> np.ndarray:
         """Whether each grid point was read, and not interpolated over a gap, shape (n,)."""
         return read_at(self.grid_s, self.recording.time_s - self.recording.time_s[0], self.dt_s)
+
+    @property
+    def quieter(self) -> FloatArray:
+        """Noise of a usual grid point over that of each, as far as more or fewer samples were averaged; shape (n,).
+
+        It is 1 in one recording. Of several, each of its own rate, a usual one has the mean variance of all.
+        """
+        averaged = np.array(self.averaged) / harmonic_mean(self.averaged)
+        return np.sqrt(averaged)[np.searchsorted(self.begins_s, self.signals["time_s"], side="right")]
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -110,13 +120,24 @@ def channel_of(state: Mapping[str, FloatArray], channel: str) -> FloatArray:
 
 
 def sampled(measurement: Measurement, channel: str) -> tuple[FloatArray, FloatArray]:
-    """Times from the recording's start and measured values of the samples that count, as recorded, never averaged."""
+    """Times from the recording's start and measured values of the samples that count, as recorded, never averaged.
+
+    Of each recording, where several stand in a row: all from the first of its grid points that count to the last.
+    """
     recording = measurement.recording
     time_s = recording.time_s - recording.time_s[0]
-    counting = measurement.grid_s[measurement.counts]
-    rows = (time_s >= counting[0]) & (time_s <= counting[-1])
+    rows = np.zeros(len(time_s), bool)
+    for counting in _counting_s(measurement):
+        rows |= (time_s >= counting[0]) & (time_s <= counting[-1])
     values = recording[FORCE] if channel == FORCE_CHANNEL else -np.log(recording[RESISTANCE])
     return time_s[rows], values[rows]
+
+
+def _counting_s(measurement: Measurement) -> list[FloatArray]:
+    """Grid times that count, of each recording that has any."""
+    counting = measurement.grid_s[measurement.counts]
+    begins_s = np.array(measurement.begins_s) + measurement.start_s
+    return [part for part in np.split(counting, np.searchsorted(counting, begins_s)) if len(part)]
 
 
 def ended(measurement: Measurement) -> Measurement:

@@ -13,6 +13,7 @@ RAIL = 1e-4  # of the range: so near to its end nothing of a reading is left but
 FEWEST = 50  # values that say how large the noise is
 PIECE, NEIGHBOURS, LEAK = 1024, 64, 8  # samples; frequencies that a line is compared with, and that it leaks into
 LINE = 30.0
+ONE_STEP = 1.01 * MAD_TO_SD * np.sqrt(12 / 6)  # the estimate from second differences of one step, over the rounding
 MOST_STEPS = 20  # between two values, for which rounding of the values themselves does not hide an even step
 
 
@@ -27,7 +28,7 @@ def spread(values: FloatArray) -> float:
     What is rare but there counts (the ramps between long holds), a glitch hardly.
     """
     off = values - np.median(values)
-    limit = OUTLIER * robust_sd(values)
+    limit = OUTLIER * robust_sd(values) or np.inf  # where most values are one, the others are all that spreads
     return float(np.sqrt(np.mean(np.clip(off, -limit, limit) ** 2)))
 
 
@@ -37,7 +38,7 @@ def trimmed_rms(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(np.minimum(squares, np.quantile(squares, 0.98)))))
 
 
-def glitches(values: FloatArray, noise: float) -> FloatArray:
+def glitches(values: FloatArray, noise: float | FloatArray) -> FloatArray:
     """How far single readings, or two in a row, jump out of their neighbours, shape (n,); 0 where they do not.
 
     They jump where noise and motion explain it no more: by more than `OUTLIER` standard deviations beyond twice what
@@ -46,7 +47,7 @@ def glitches(values: FloatArray, noise: float) -> FloatArray:
     Parameters
     ----------
     values : ndarray, shape (n,)
-    noise : float
+    noise : float or ndarray, shape (n,)
         Standard deviation.
     """
     off = np.abs(values - median_filter(values, 5, mode="nearest"))
@@ -80,12 +81,37 @@ def noise_floor(values: FloatArray) -> float:
     ----------
     values : ndarray, shape (n,), n >= 3
     """
-    values = values[within_range(values)]
+    whole, values = values, values[within_range(values)]
     # Robust, because steps and reversals are rare but large in second differences.
     second = np.diff(values, 2)
+    least = rounding(values) or rounding(whole)  # of three steps only one is no end of the range
     # Steps of a motion that repeats itself are lines too, and without them spread out: the smaller is meant.
-    noise = min(robust_sd(second), robust_sd(without_lines(second))) / np.sqrt(6)
-    return max(noise, rounding(values))
+    noise = min(within_steps(robust_sd(second), second, least), robust_sd(without_lines(second))) / np.sqrt(6)
+    return max(noise, least)
+
+
+def within_steps(found: float, second: FloatArray, least: float) -> float:
+    """Standard deviation of second differences, as it was found robustly, or nearer where readings come in steps.
+
+    Their differences are whole steps. Where half of them are no more than one, the median is a step or nothing,
+    whatever the noise. It is read within the step then, as if each difference filled the whole of its own (the median
+    of grouped data, less Sheppard's correction for their width).
+
+    Parameters
+    ----------
+    found : float
+        See `robust_sd`.
+    second : ndarray, shape (m,)
+    least : float
+        Standard deviation of the rounding of a reading; see `rounding`.
+    """
+    if found > ONE_STEP * least * np.sqrt(6) or not least:
+        return found
+    step = least * np.sqrt(12)
+    off = np.abs(second) / step
+    none, one = float(np.mean(off < 0.5)), float(np.mean((off >= 0.5) & (off < 1.5)))
+    median = 0.5 + (0.5 - none) / one if none < 0.5 else 0.25 / none
+    return step * float(np.sqrt(max((MAD_TO_SD * median) ** 2 - 1 / 12, 0.0)))
 
 
 def sixth_differences(x: FloatArray, lag: int) -> FloatArray:

@@ -67,8 +67,8 @@ def prepare(
     read = min(reading_noise(time_s, recording.strain), noise_floor(recording.strain))
     noise = max(read, even_step(recording.strain) / 12**0.5) / np.sqrt(binned.averaged)
     strain, left = without_reading_noise(binned(recording.strain), noise)
-    signals = inputs(grid_s, without_small_turns(strain, noise), temperature)
-    return Measurement(signals, 1.0 / rate_hz, measured, counts, recording, left, float(grid_s[0]), binned.averaged)
+    signals, averaged = inputs(grid_s, without_small_turns(strain, noise), temperature), (binned.averaged,)
+    return Measurement(signals, 1.0 / rate_hz, measured, counts, recording, left, float(grid_s[0]), averaged)
 
 
 def _burn_in_s(time_s: FloatArray, strain: FloatArray) -> float:

@@ -23,6 +23,7 @@ def split(
     Parameters
     ----------
     recording, held_out : Recording
+        Each is measured at its own rate.
     held_share : float
     clamp_play_mm : float
         See `Measurement`; of the held-out recording.
@@ -45,8 +46,7 @@ def split(
         _check_parts(*parts, cut_s)
         return ended(parts[0]), parts[1]
     check_gauge_length(held_out, recording)
-    calibration = prepare(recording)
-    held = prepare(held_out, rate_hz=1.0 / calibration.dt_s)
+    calibration, held = prepare(recording), prepare(held_out)
     if set(calibration.channels) != set(held.channels):
         raise UserError(
             f"{held_out.source}: measured {', '.join(held.channels)}, but {recording.source} measured "

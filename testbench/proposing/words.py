@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from testbench.comparing.model_errors import channel_name
+from testbench.comparing.numbers import over_noise
 from testbench.comparing.tables import ladder_table
 from testbench.comparing.words import percent
 from testbench.knit.effect import bounds_of
@@ -43,7 +44,8 @@ def first_line(proposed: Proposed) -> str:
         laws = "; then ".join(in_words(law) for law, _ in proposed.laws)
         return f"proposed: {laws}"
     left = ", ".join(
-        f"{channel_name(c)} {error / proposed.noise_floor[c]:.2f}" for c, error in proposed.error_before.items()
+        f"{channel_name(c)} {over_noise(error, proposed.noise_floor[c]):.2f}"
+        for c, error in proposed.error_before.items()
     )
     floors = f"(held-out error in noise floors: {left})"
     if proposed.verdict == "nothing_left":

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from itertools import pairwise
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -274,7 +275,7 @@ class Recording:
             If the rate is no number above 0; if most of that grid would be made up: more than a million points in
             gaps. A gap of a day is a gap; see `segments`. So, too, if it would have more than 20 million points.
         """
-        if not number(f"{self.source}: rate_hz", rate_hz) > 0:
+        if isinstance(rate_hz, bool) or not isinstance(rate_hz, Real) or not rate_hz > 0:
             raise UserError(f"{self.source}: the rate must be a number of Hz above 0, got {rate_hz!r}")
         count = int(np.floor(min(self.duration_s * rate_hz, 1e18) * (1 + 1e-12))) + 1
         made_up = rate_hz * self.missing_s

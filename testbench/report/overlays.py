@@ -107,7 +107,7 @@ def failings_of(compared: Comparison, measurement: Measurement, both: Overlay, f
     if "conductance" in both.measured:
         rows = {name: values[counts] for name, values in where.items()}
         kohm = both.in_resistance().residual("resistance")[counts]
-        cells = residual_maps(kohm - kohm.mean() if free_offset else kohm, rows, measurement.dt_s)
+        cells = residual_maps(kohm - kohm.mean() if free_offset else kohm, rows)
         maps["resistance"] = {name: [vars(cell) for cell in row] for name, row in cells.items()}
     return Failings(found, spots(found, both.time_s, residual, where, counts), maps)
 

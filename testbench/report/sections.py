@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from testbench.comparing.numbers import plain
+from testbench.comparing.numbers import over_noise, plain
 from testbench.recordings.manifest import CSV
 from testbench.recordings.recording import Recording
 from testbench.report import words
@@ -87,7 +87,7 @@ def errors_table(both: Overlay, channels: Mapping[str, Mapping[str, Any]]) -> Ta
         if name in LOGARITHM:
             rms, floor = float(np.std(both.residual(name))), both.noise_floor[name]
         unit = PANEL_UNITS[name]
-        times = f"{rms / max(floor, 1e-300):.1f} times"
+        times = f"{over_noise(rms, floor):.1f} times"
         rows.append((name, f"{plain(rms)} {unit}", f"{plain(floor, 2)} {unit}", times))
     return Table(("Channel", "RMS error", "Noise floor", "Error over noise"), rows)
 

@@ -31,6 +31,15 @@ def test_the_map_names_every_room_that_the_contracts_name():
     assert {room for room in rooms if not re.search(rf"^ +[a-z, ]*\b{room}\b", told, re.MULTILINE)} == set()
 
 
+def test_the_page_of_the_diagnosis_counts_the_numbers_that_nothing_derives():
+    source = (DOCS.parent / "testbench/fitting/constants.py").read_text(encoding="utf-8")
+    believed, spent = (
+        len(re.findall(r"^[A-Z_]+ = [\d.]", part, re.MULTILINE)) for part in source.split("# What is spent")
+    )
+    told = (DOCS / "diagnosis.md").read_text(encoding="utf-8")
+    assert f"{believed} numbers are believed of sensors, and {spent} limit what a search spends" in told
+
+
 @pytest.mark.parametrize("package", ["gcode", "testbench", "compensation"])
 def test_every_public_name_is_in_the_reference(package):
     told = (DOCS / "reference" / f"{package}.md").read_text(encoding="utf-8")

@@ -17,6 +17,8 @@ from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.knit.effect import FloatArray
 from testbench.measurements.measurement import Measurement
 
+SMALL = 10.0  # factor on the precision of each group from which the evidence looks for it: a map begins small
+
 
 @dataclass(frozen=True)
 class Map:
@@ -47,7 +49,7 @@ def mapped(h: Hypothesis, likelihood: Likelihood) -> Map:
     group = len(own) + np.concatenate([np.array(groups) + place * len(names) for place in range(len(channels))])
     plain = replace(h.pinned, least=likelihood.misfit)  # a closer fit earns a map nothing, either
     without = maximised(plain, scale=own, sigma=sigma)
-    scale = np.r_[switched_on(own), np.full(len(names) * len(channels), 10.0)]
+    scale = np.r_[switched_on(own), np.full(len(names) * len(channels), SMALL)]
     bigger = plain.extended(base, rows, np.zeros(len(precision)), precision, group)
     found = maximised(bigger, scale=scale, sigma=sigma)
     gains, tails = {}, 0.0

@@ -38,7 +38,7 @@ class Proposal:
     model: KnitModel | None = None
 
     @property
-    def first(self) -> Effect:
+    def weak(self) -> Effect:
         """The law, weak: a start for a fit of a model that has made no room for it yet."""
         strength = getattr(self.effect, self.effect.strength)
         if self.effect.nonlinear or isinstance(strength, tuple):
@@ -76,6 +76,11 @@ class Entry:
     whole_part: Mapping[str, float] = field(default_factory=dict)
     log_prior_bend: float = -np.inf
     without: Entry | None = None
+
+    @classmethod
+    def bare(cls, h: Hypothesis) -> Entry:
+        """A model that no law was put into."""
+        return cls("", "", "", h, h.log_z)
 
     def refitted(self, h: Hypothesis, is_settled: bool = False) -> Entry:
         """The same law in a model that was fitted again."""

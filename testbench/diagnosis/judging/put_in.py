@@ -31,7 +31,7 @@ def leading(put_in: Sequence[Entry]) -> int:
     return int(np.argmin(without)) if without else 0
 
 
-def probability_of(walk: tuple[Sequence[Round], Sequence[Entry]]) -> float:
+def log_posterior_of(walk: tuple[Sequence[Round], Sequence[Entry]]) -> float:
     """Log prior and evidence of what a search put in; minus infinity if that is nothing."""
     whole = whole_of(*walk)
     return whole.log_posterior if whole else -np.inf

@@ -16,6 +16,8 @@ from testbench.measurements.measurement import Measurement
 
 MAX_SHAPES = 9  # shape-parameter combinations tried for one law
 MAGNITUDES = (0.05, 0.15, 0.4, 1.0, 2.0)  # of a typical strength, for effects whose trace changes with their size
+SHARES = (0.15, 0.5, 0.85)  # of the range of a parameter, where it is tried
+NEAR = (0.7, 1.4)  # times the strength that was tried: so far the trace of a threshold is nearly the same
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,7 @@ class Candidate:
             return self.effect
         if self.effect.nonlinear:
             # The trace of a threshold does not scale with it: stay near the point that was tried.
-            coefficient = float(np.clip(coefficient, 0.7, 1.4))
+            coefficient = float(np.clip(coefficient, *NEAR))
         return self.effect.near(**{self.effect.strength: coefficient * self.strength})
 
 
@@ -121,7 +123,7 @@ def _one_at_a_time(law: type[Effect], axes: Mapping[str, list[float]]) -> list[d
 def _grid_of(extra: Mapping[str, object], measurement: Measurement) -> list[float]:
     low, high = float(extra["low"]), float(extra["high"])  # type: ignore[arg-type]
     if extra["scale"] != "log":
-        return [low + share * (high - low) for share in (0.15, 0.5, 0.85)]
+        return [low + share * (high - low) for share in SHARES]
     if extra["unit"] == "s":
         # time constants that this recording can show: from a few samples to its length
         low = max(low, 3 * measurement.dt_s)

@@ -32,6 +32,8 @@ from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
 
 Progress = Callable[[str], None]
+BENDING_STEPS = 16  # of the first fits of a base that bends: all its shapes start from nothing
+QUICK_STEPS = 6  # of a fit that only shows whether it is worth a longer one
 
 
 class Fits:
@@ -75,12 +77,12 @@ class Fits:
         tell("fitting the shape of the base laws")
         flexible = with_shapes(self.start, self.measurement, catalogue, like=start)
         without_jitter = likelihood_of(self.start, self.measurement, self.noise)
-        first = fitted(flexible, without_jitter, self.reference, iterations=16)
+        first = fitted(flexible, without_jitter, self.reference, iterations=BENDING_STEPS)
         models = (self.start, first.model)
         self.jitter_s = jitter_of(models, measurement)
         self.noise = with_colour(self.noise, models, on_the_grid(measurement))
         self.likelihood = self.likelihood_on(self.measurement)
-        self.flexible = fitted(first.model, self.likelihood, self.reference, first, iterations=16)
+        self.flexible = fitted(first.model, self.likelihood, self.reference, first, BENDING_STEPS)
         # What the user has is the model as given; where its laws bend already, so does what it is compared with.
         given = any(name in SHAPES for name in start)
         self.baseline = self.flexible if given else fitted(self.start, self.likelihood, self.reference)
@@ -98,14 +100,14 @@ class Fits:
         self, model: KnitModel, like: Hypothesis, known_priors: Mapping[str, tuple[float, float]] | None = None
     ) -> Hypothesis:
         """A model fitted in a few steps, with the sensitivities of a neighbour; see `fitted`."""
-        return fitted(model, self.compared, self.reference, like, 6, quick=True, known_priors=known_priors)
+        return fitted(model, self.compared, self.reference, like, QUICK_STEPS, quick=True, known_priors=known_priors)
 
     def at_rest(self, h: Hypothesis) -> Hypothesis:
         """A model fitted in full, refitted until nothing is gained; at first with shapes as free as without data.
 
         Shapes that were fitted beside another law hold what is in the way of this one.
         """
-        best, better = h, max(fitted(h.model, self.compared, self.reference, h.with_unit_scales), h, key=evidence_of)
+        best, better = h, max(fitted(h.model, self.compared, self.reference, h.as_before_data), h, key=evidence_of)
         for _ in range(constants.REFITS):
             if better.log_z < best.log_z + constants.EVIDENCE_ERROR:
                 break

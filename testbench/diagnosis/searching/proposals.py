@@ -19,7 +19,10 @@ from testbench.knit.cache import SimulationCache
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import FloatArray
 
-POINTS = 2  # points of a law's grid whose evidence is computed with all scales free
+POINTS = 2  # points of a law's grid, the best to first order, that may be looked at with all scales free
+WORTH_IT = 0.5  # nats to first order: what gains less is not looked at again
+OFF_THRESHOLD = 0.3  # of a strength that was tried: how far from there it is, where a trace does not scale with it
+ANY_WEIGHT = 1e-4  # precision, in weights that were tried, where no effect declares a size: the evidence finds it
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +122,7 @@ class Screen:
     def _beside(self, law: Law, rows: Rows, index: int, gain: float, amount: float) -> Proposal:
         """One point of a law, with the scales of all groups found anew."""
         candidate, step = law.candidates[index], np.zeros(len(self.directions.member))
-        if gain > 0.5:
+        if gain > WORTH_IT:
             mean, declared = amplitude_prior(candidate, self.scales)
             typically, off, has_tails = np.asarray(declared), np.asarray(amount), mean == 0
             precision = float(with_tails(typically, off)) if has_tails else declared
@@ -139,7 +142,7 @@ class Screen:
         """A law with a vector of weights: all its columns at once, their scale found by evidence."""
         first, count = law.candidates[0], len(law.candidates)
         said = declared_size(type(first.effect), first.effect.strength)
-        precision = (first.strength / said) ** 2 if said else 1e-4
+        precision = (first.strength / said) ** 2 if said else ANY_WEIGHT
         found = self.evidence(rows, 0.0, precision, 0, iterations=12, is_typical=bool(said))
         weights = tuple(float(a) * first.strength for a in found.coefficients[-count:])
         effect = first.effect.near(**{first.effect.strength: weights})
@@ -169,8 +172,7 @@ class Screen:
         LogEvidence
             Its coefficients are along `directions`, the new columns last; see `room_made`.
         """
-        count = len(next(iter(rows.values())))
-        start = self.plain
+        count, start = len(next(iter(rows.values()))), self.plain
         number = -1 if group < 0 else len(start.scale)
         priors = [mean] * count, [precision] * count, [number] * count
         bigger = self.normal.extended(self.base, rows, *priors)
@@ -188,5 +190,5 @@ def amplitude_prior(candidate: Candidate, scales: Mapping[str, float]) -> tuple[
     """Prior mean and precision of a trace's coefficient."""
     law = type(candidate.effect)
     if candidate.from_data or law.nonlinear:
-        return 1.0, 1 / 0.3**2
+        return 1.0, 1 / OFF_THRESHOLD**2
     return 0.0, (candidate.strength / typical_strength(law, scales)) ** 2

@@ -22,6 +22,10 @@ from testbench.fitting.evidence.laplace import fitted
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel, parts_of
 
+LIKELIEST = 3  # mechanisms that are tried in more places, and by more of their laws
+MORE, FEW = 4, 2  # places (a law beside a null model) in which one of those, and one of the others, is tried at first
+NO_WORSE = 3.0  # standard deviations of the error of an evidence: what is this near the best may be as good
+
 
 @dataclass(frozen=True, eq=False)
 class NullModel:
@@ -59,14 +63,14 @@ class Refits:
     def of(self, nulls: Sequence[NullModel], mechanisms: Sequence[str]) -> list[Entry]:
         """Mechanisms refitted: quickly beside the null models that speak for them, then the best of each in full."""
         chances = {m: self.chances(nulls, m) for m in mechanisms}
-        chosen = [one for k, own in enumerate(chances.values()) for one in own[: 4 if k < 3 else 2]]
+        chosen = [one for k, own in enumerate(chances.values()) for one in own[: MORE if k < LIKELIEST else FEW]]
         if not chosen:
             return []
         entries = self.best_of_each(self.on_better_bases(self.entered(chosen)))
         tried = {p.law for _, p in chosen}
-        likeliest = list(dict.fromkeys(e.mechanism for e in entries))[:3]
+        likeliest = list(dict.fromkeys(e.mechanism for e in entries))[:LIKELIEST]
         left = [[one for one in chances[m] if one[1].law not in tried] for m in likeliest]
-        more = self.entered([one for own in left for one in own[:3]])
+        more = self.entered([one for own in left for one in own[: constants.LAWS]])
         more += self.on_other_bases(entries[0], nulls) + self.swapped(entries[0])
         return self.best_of_each(self.on_better_bases([*entries, *more]))
 
@@ -161,7 +165,7 @@ class Refits:
         here = fitted(e.base, self.compared, self.fits.reference, e.hypothesis, iterations=0)
         null = NullModel(here, here, tuple(rivals_of(e, self.fits)))
         likely = promising([null])[: constants.BENDING]
-        return self.entered([one for m in likely for one in _chances([null], m)[: constants.SETTLED_LAWS]])
+        return self.entered([one for m in likely for one in _chances([null], m)[: constants.LAWS]])
 
     def best_of_each(self, entries: Sequence[Entry]) -> list[Entry]:
         """The best law of each mechanism, and some more of the best two, refitted in full; the best first.
@@ -170,7 +174,9 @@ class Refits:
         """
         laws = first_of_each(best_first(entries), lambda e: e.law)
         best = first_of_each(laws, lambda e: e.mechanism)
-        own = [[e for e in laws if e.mechanism == one.mechanism][1 : constants.SETTLED_LAWS] for one in best[:2]]
+        own = [
+            [e for e in laws if e.mechanism == one.mechanism][1 : constants.LAWS] for one in best[: constants.BEAM]
+        ]
         chosen = [*best, *itertools.chain(*own)]
         rest = [e for e in laws if e not in chosen]
         return best_first([*self.pool.map(self.settled, chosen), *rest])
@@ -247,4 +253,4 @@ def _of_base(e: Entry, whole: bool) -> dict[str, Effect]:
 
 def _as_good(one: Entry | Hypothesis, best: Entry) -> bool:
     """Within what is known of an evidence."""
-    return one.log_z > best.log_z - 3 * constants.EVIDENCE_ERROR
+    return one.log_z > best.log_z - NO_WORSE * constants.EVIDENCE_ERROR

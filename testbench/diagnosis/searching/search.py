@@ -10,11 +10,12 @@ from functools import cached_property
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from testbench.diagnosis.judging.comparison import explained
 from testbench.diagnosis.judging.discrepancy_map import log_z_with_map
 from testbench.diagnosis.judging.entries import Entry, Proposal
 from testbench.diagnosis.judging.order import best_first, evidence_of, first_of_each
-from testbench.diagnosis.judging.put_in import best_set, probability_of, whole_of
-from testbench.diagnosis.judging.rounds import Round, explained
+from testbench.diagnosis.judging.put_in import best_set, log_posterior_of, whole_of
+from testbench.diagnosis.judging.rounds import Round
 from testbench.diagnosis.searching.fits import Fits, Progress, law_names, newest
 from testbench.diagnosis.searching.proposals import Law, Screen, laws_of
 from testbench.diagnosis.searching.refits import NullModel, Refits, promising
@@ -52,7 +53,7 @@ class Search(Fits):
             if rounds[0].is_named(whole_of(rounds, put_in)):
                 break
             first = replace(first, dead_ends=first.dead_ends | {begin.mechanism})
-        return max(walks, key=probability_of, default=([first], []))
+        return max(walks, key=log_posterior_of, default=([first], []))
 
     def walk(self, first: Round, begin: Entry, most: int) -> tuple[list[Round], list[Entry]]:
         """Rounds, and what was put in, from one first step on.
@@ -89,7 +90,7 @@ class Search(Fits):
 
         def rest(e: Entry) -> Entry:
             h = self.without(put_in[-1].hypothesis, e.name)
-            return self.judged(Entry("", "", "", h, h.log_z), likelihood)
+            return self.judged(Entry.bare(h), likelihood)
 
         return [replace(e, without=one) for e, one in zip(put_in, self.pool.map(rest, put_in), strict=True)]
 
@@ -101,14 +102,14 @@ class Search(Fits):
         base = without_shapes(self.baseline.model)
         begins = [KnitModel({name: (base if name in base else kind)[name] for name in kind}) for kind in self.kinds]
         kinds = [self.stiff_bases(one) for one in begins]
-        stiff = best_first(h for tried in kinds for h in tried)[: constants.BASES]
+        stiff = best_first(h for tried in kinds for h in tried)[: constants.BEAM]
         begun = [*stiff, *(max(tried, key=evidence_of) for tried in kinds)]
         starts = [*((self.bent(h.model), None) for h in dict.fromkeys(begun)), (self.flexible.model, self.flexible)]
         bent = best_first(self.pool.map(lambda start: self.at_rest(self.compare(*start)), starts))
         # One that was stripped of its shapes has parameters that moved along with them: the last choice of its kind.
         stripped = self.compare(without_shapes(bent[0].model))
         others = first_of_each((stiff[0], kinds[0][0], stripped), lambda h: law_names(h.model.effects))
-        return bent, best_first(others)[: constants.BASES]
+        return bent, best_first(others)[: constants.BEAM]
 
     def stiff_bases(self, start: KnitModel) -> list[Hypothesis]:
         """A base, and all in which a law of it was exchanged.
@@ -151,14 +152,10 @@ class Search(Fits):
             What the laws explain that were put in before; see `Round.explained_before`.
         """
         self.tell("screening the catalogue")
-        likelihood = self.compared
-        current, open_ones = bent[0], [self.about_to_bend(h) for h in stiff]
-        beside = [(h, h) for h in (*bent, *open_ones)] + list(zip(stiff, open_ones, strict=True))
-        proposed = self.pool.map(self.proposals, [h for h, _ in beside])
-        nulls = [NullModel(h, like, found) for (h, like), found in zip(beside, proposed, strict=True)]
-        bending = nulls[: len(bent) + len(open_ones)]
-        likely = promising(bending)[: constants.BENDING]
-        others = [m for m in promising(nulls[len(bending) :]) if m not in likely]
+        likelihood, current = self.compared, bent[0]
+        nulls = self.null_models(bent, stiff)
+        likely = promising(null for null in nulls if null.bends)[: constants.BENDING]
+        others = [m for m in promising(null for null in nulls if not null.bends) if m not in likely]
         likely += others[: constants.STIFF]
         every = sorted((p for null in nulls for p in null.proposals), key=lambda p: -p.gain)
         proposals = first_of_each(every, lambda p: p.law)
@@ -168,9 +165,16 @@ class Search(Fits):
             base, entries = self.refits.on_one_base(entries)
             before.append(base)
             likelihood = replace(likelihood, explained=explained(current, entries[0].hypothesis))
-        bare = max((self.judged(Entry("", "", "", h, h.log_z), likelihood) for h in before), key=lambda e: e.log_z)
+        bare = max((self.judged(Entry.bare(h), likelihood) for h in before), key=lambda e: e.log_z)
         entries = self.all_judged(entries, likelihood)
-        return Round(bare, tuple(entries), tuple(proposals), counted, likelihood, so_far)
+        return Round(bare, likelihood, tuple(entries), tuple(proposals), counted, so_far)
+
+    def null_models(self, bent: Sequence[Hypothesis], stiff: Sequence[Hypothesis]) -> list[NullModel]:
+        """Models beside which laws are proposed: those that bend, those that are about to, and the stiff ones."""
+        open_ones = [self.about_to_bend(h) for h in stiff]
+        beside = [(h, h) for h in (*bent, *open_ones)] + list(zip(stiff, open_ones, strict=True))
+        proposed = self.pool.map(self.proposals, [h for h, _ in beside])
+        return [NullModel(h, like, found) for (h, like), found in zip(beside, proposed, strict=True)]
 
     def proposals(self, h: Hypothesis) -> tuple[Proposal, ...]:
         """What each law of the catalogue promises beside a model, the best first."""

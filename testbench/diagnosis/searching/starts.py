@@ -27,7 +27,7 @@ def best_start(h: Hypothesis, p: Proposal, likelihood: Likelihood) -> KnitModel:
     h : Hypothesis
         The model beside which the law was proposed.
     """
-    tried = [h.model.plus(p.first), h.model.plus(p.effect)]
+    tried = [h.model.plus(p.weak), h.model.plus(p.effect)]
     for part in (*PARTS, 0.0):
         step = np.where(h.priors.group >= 0, p.step, part * p.step)
         tried.append(h.priors.parameters.model_at(h.model, h.vector + step).plus(p.effect))

@@ -93,7 +93,7 @@ class LogEvidence:
     sigma : dict of channel to float
     scale : ndarray
         Factor on the precision of each group.
-    factor : ndarray, shape (q - 1, q - 1)
+    cholesky : ndarray, shape (q - 1, q - 1)
         Lower Cholesky factor of the precision matrix of the coefficients.
     """
 
@@ -101,12 +101,12 @@ class LogEvidence:
     coefficients: FloatArray
     sigma: Mapping[str, float]
     scale: FloatArray
-    factor: FloatArray
+    cholesky: FloatArray
 
     @cached_property
     def covariance(self) -> FloatArray:
         """Covariance of the coefficients, shape (q - 1, q - 1)."""
-        lower, _ = lapack.dpotri(self.factor, lower=1)
+        lower, _ = lapack.dpotri(self.cholesky, lower=1)
         return np.tril(lower) + np.tril(lower, -1).T
 
 
@@ -115,6 +115,7 @@ def maximised(
     sigma: Mapping[str, float] | None = None,
     iterations: int = 12,
     scale: FloatArray | None = None,
+    sigma_is_known: bool = False,
 ) -> LogEvidence:
     """Maximise ln Z over the scales of the groups and the noise of the channels.
 
@@ -129,33 +130,36 @@ def maximised(
         At most; one judges with the noise and the scales as they are given.
     scale : ndarray, optional
         Factor on the precision of each group to start from.
+    sigma_is_known : bool
+        Only the scales of the groups are found.
     """
     declared, group, mean = normal.precision, normal.group, normal.mean
-    factor = np.ones(int(group.max(initial=-1)) + 1) if scale is None else scale.copy()
+    scale = np.ones(int(group.max(initial=-1)) + 1) if scale is None else scale.copy()
     left = {c: float(np.sqrt(g[0, 0] * normal.share / normal.count)) for c, g in normal.products.items()}
     sigma = dict(sigma or {c: max(size, normal.least[c]) for c, size in left.items()})
-    members = [np.flatnonzero(group == g) for g in range(len(factor))]
+    members = [np.flatnonzero(group == g) for g in range(len(scale))]
     value = -np.inf
     for _ in range(iterations):
-        free = is_on(group, factor)
-        precision = scaled(declared, group, factor)
+        free = is_on(group, scale)
+        precision = scaled(declared, group, scale)
         moved, known, chol = _solved(normal.over_noise(sigma), precision, mean, free, normal.still)
         x = mean + np.where(free, moved, 0.0)
         vector = np.r_[1.0, -x]
         left = {c: max(float(vector @ g @ vector), 1e-300) * normal.share for c, g in normal.products.items()}
         squares = {c: max(one, normal.count * normal.least[c] ** 2) for c, one in left.items()}
-        before, value = value, _value(squares, sigma, normal.count, x, mean, precision, chol)
+        before, value = value, _log_evidence(squares, sigma, normal.count, x, mean, precision, chol)
         determined = [float(known[where].sum()) for where in members]
-        value -= _found_scales(determined, factor, normal.typical_groups)
-        sigma = {c: np.sqrt(one / normal.count) for c, one in squares.items()}
+        value -= _cost_of_scales(determined, scale, normal.typical_groups)
+        if not sigma_is_known:
+            sigma = {c: np.sqrt(one / normal.count) for c, one in squares.items()}
         for g, where in enumerate(members):
             if len(where):
-                more = (1 - factor[g]) / (1 + factor[g]) if g in normal.typical_groups else 0.0
+                more = (1 - scale[g]) / (1 + scale[g]) if g in normal.typical_groups else 0.0
                 size = max(float(declared[where] @ moved[where] ** 2), 1e-12)
-                factor[g] = np.clip(max(determined[g] + more, 1e-3) / size, SMALLEST, LARGEST)
+                scale[g] = np.clip(max(determined[g] + more, 1e-3) / size, SMALLEST, LARGEST)
         if abs(value - before) < 0.05:
             break
-    return LogEvidence(float(value), x, sigma, factor, chol)
+    return LogEvidence(float(value), x, sigma, scale, chol)
 
 
 def scaled(precision: FloatArray, group: np.ndarray, scale: FloatArray) -> FloatArray:
@@ -224,7 +228,7 @@ def switched_on(scale: FloatArray) -> FloatArray:
     return np.minimum(scale, OPEN)
 
 
-def _found_scales(known: Sequence[float], scale: FloatArray, typical_groups: frozenset[int]) -> float:
+def _cost_of_scales(known: Sequence[float], scale: FloatArray, typical_groups: frozenset[int]) -> float:
     """What it costs, in nats, that the scales of the groups were not known but found.
 
     k coefficients that the data determine tell ln(precision) within sqrt(2 / k); a group that is switched off costs
@@ -240,7 +244,7 @@ def _found_scales(known: Sequence[float], scale: FloatArray, typical_groups: fro
     )
 
 
-def _value(
+def _log_evidence(
     squares: Mapping[str, float],
     sigma: Mapping[str, float],
     count: float,

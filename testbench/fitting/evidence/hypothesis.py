@@ -23,6 +23,9 @@ from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.measurements.noise_level import trimmed_rms
 
+UNSEEN = 0.1  # of the noise: a shape that changes less,
+UNDETERMINED = 0.5  # and of whose weights the data determine less than so many, is switched off
+
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
@@ -63,17 +66,17 @@ class Hypothesis:
 
     @property
     def log_z(self) -> float:
-        return self.evidence.value + self.tails + self.at_bounds - self.unlikely
+        return self.evidence.value + self.tails + self.bounds - self.prior_cost
 
     @cached_property
-    def unlikely(self) -> float:
+    def prior_cost(self) -> float:
         """What the priors say against the point, in nats, beyond the Gaussians in the evidence."""
         held = self.priors.cost(self.vector, self.evidence.scale)
         return float(np.sum(np.where(self.held, held, -self.priors.of_tails(self.vector))))
 
     @cached_property
-    def at_bounds(self) -> float:
-        """What the evidence owes to parameters that the data push against a bound, in nats.
+    def bounds(self) -> float:
+        """What the bounds add to the evidence where the data push a parameter against its own, in nats.
 
         Each may lie anywhere on the near side: the integral over t > 0 of exp(-slope t - precision t^2 / 2).
         """
@@ -83,7 +86,7 @@ class Hypothesis:
         for index in np.flatnonzero(self.at_bound):
             beside = np.array(total[1:, 1 + index])
             beside[index] = 0.0
-            taken = solve_triangular(self.evidence.factor, beside, lower=True)
+            taken = solve_triangular(self.evidence.cholesky, beside, lower=True)
             told = total[1 + index, 1 + index] - taken @ taken  # by the data, whatever the others are
             precision = prior[index] + max(told, 0.0)
             slope = total[1 + index, 0] + prior[index] * (self.priors.mean[index] - self.vector[index])
@@ -92,7 +95,7 @@ class Hypothesis:
         return float(found + np.sum(self.priors.over_gaussians(self.vector)[self.at_bound]))
 
     @property
-    def with_unit_scales(self) -> Hypothesis:
+    def as_before_data(self) -> Hypothesis:
         """The same with every scale as it is without data."""
         return replace(self, evidence=replace(self.evidence, scale=np.ones_like(self.evidence.scale)))
 
@@ -148,8 +151,8 @@ class Hypothesis:
         shrunk = self.priors.scaled(self.evidence.scale)[weights] * np.diag(self.evidence.covariance)[weights]
         held = self.vector[mine]
         changed = {c: held @ rows[np.array(mine) + 1] for c, rows in self.columns.items()}
-        below = all(np.sqrt(np.mean(v**2)) < 0.1 * self.evidence.sigma[c] for c, v in changed.items())
-        return below and float(np.sum(1 - shrunk)) < 0.5
+        below = all(np.sqrt(np.mean(v**2)) < UNSEEN * self.evidence.sigma[c] for c, v in changed.items())
+        return below and float(np.sum(1 - shrunk)) < UNDETERMINED
 
     @property
     def scales(self) -> dict[str, float]:

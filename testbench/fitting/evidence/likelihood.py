@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from testbench.fitting import constants
+from testbench.fitting.downhill import huber, huber_weight
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
@@ -32,6 +33,8 @@ class Likelihood:
         Standard deviation of what the best law explains.
     pieces : float
         Independent pieces of the measurement: those of one recording for each that it consists of.
+    is_known : bool
+        The noise is that of the floor, Gaussian; otherwise it is found from what a model leaves, and has tails.
     """
 
     measurement: Measurement
@@ -41,6 +44,7 @@ class Likelihood:
     share: float
     explained: Mapping[str, float] = field(default_factory=dict)
     pieces: float = constants.INDEPENDENT
+    is_known: bool = False
 
     @property
     def count(self) -> float:
@@ -75,7 +79,7 @@ class Likelihood:
             found[c] = float(np.linalg.norm((least, error, constants.INEXACT * (whole or {}).get(c, 0.0))))
         return found
 
-    def noise_log_prior(
+    def log_odds_complete(
         self, sigma: Mapping[str, float], explained: Mapping[str, float], whole: Mapping[str, float] | None = None
     ) -> float:
         """Log density of what a model leaves, if nothing else is missing, over the same if anything is.
@@ -128,6 +132,18 @@ class Likelihood:
             weight[channel] = float(np.mean(total**-2.0) ** -0.5) / total
             floor[channel] = float(np.sqrt(np.mean((noise * weight[channel]) ** 2)))
         return replace(self, weight=weight, floor=floor)
+
+    def sigma(self, found: Mapping[str, float]) -> dict[str, float]:
+        """The noise where so much was found in what a model leaves, standard deviation of each channel."""
+        return dict(self.floor if self.is_known else found)
+
+    def loss(self, z: FloatArray) -> FloatArray:
+        """Minus the log density of the noise, shape of `z`: what is left over its standard deviation, >= 0."""
+        return 0.5 * z * z if self.is_known else huber(z)
+
+    def robust(self, z: FloatArray) -> FloatArray:
+        """Square roots of the weights with which squares have the slope of `loss`, shape of `z`."""
+        return np.ones_like(z) if self.is_known else np.sqrt(huber_weight(z))
 
     def picked(self, values: FloatArray, channel: str) -> FloatArray:
         """The samples that enter, over their relative noise; along the last axis."""

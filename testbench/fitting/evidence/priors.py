@@ -8,12 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from testbench.fitting.evidence.evidence import scaled
-from testbench.fitting.parameters import FreeParameters, free_parameters, shape_scales, value_of
+from testbench.fitting.parameters import SHARE_OF_RANGE, FreeParameters, free_parameters, shape_scales, value_of
 from testbench.knit.effect import Effect, FloatArray, bounds_of
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
-
-SHARE_OF_RANGE = 0.1  # of the range of a sensor's force: the scale of its forces, if nothing else was declared
 
 
 @dataclass(frozen=True)
@@ -53,13 +51,13 @@ class Priors:
         """Precisions of the Gaussians that have the slopes of the priors at a point, shape (p,)."""
         return np.where(self.tails, with_tails(self.precision, x - self.mean), self.precision)
 
-    def scaled(self, factor: FloatArray) -> FloatArray:
+    def scaled(self, scale: FloatArray) -> FloatArray:
         """Precisions with the scales of the groups, shape (p,)."""
-        return scaled(self.precision, self.group, factor)
+        return scaled(self.precision, self.group, scale)
 
-    def cost(self, x: FloatArray, factor: FloatArray) -> FloatArray:
+    def cost(self, x: FloatArray, scale: FloatArray) -> FloatArray:
         """How much less likely each parameter is than its mean, in nats, shape (p,)."""
-        off = self.scaled(factor) * (x - self.mean) ** 2
+        off = self.scaled(scale) * (x - self.mean) ** 2
         return np.where(self.tails, np.log1p(off), 0.5 * off)
 
     def over_gaussians(self, x: FloatArray) -> FloatArray:

@@ -40,3 +40,13 @@ def telling(measurement: Measurement) -> Measurement:
 def independent_share(measurement: Measurement) -> float:
     """Independent samples per sample of the grid: a finer grid adds samples, not knowledge."""
     return min(measurement.dt_s / constants.ALIKE_S, 1.0)
+
+
+def news_of(measurement: Measurement, most: float = np.inf) -> float:
+    """Independent samples of those that count, of which a short motion has few; at most so many."""
+    return min(int(measurement.counts.sum()) * independent_share(measurement), most)
+
+
+def in_last_fit(measurement: Measurement, pieces: float) -> float:
+    """The same as the last fit of a model counts them, where models are compared by so many independent pieces."""
+    return news_of(measurement, constants.IN_LAST_FIT * pieces / constants.INDEPENDENT)

@@ -3,32 +3,39 @@
 from __future__ import annotations
 
 import codecs
+import re
 
 from gcode.support.errors import UserError
 
 _UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+_NO_TEXT = re.compile(rb"[\0-\x08]")
 
 
 def encoding_of(raw: bytes) -> str | None:
     """The encoding of a file's first bytes; None where they are no text.
 
     UTF-8 and UTF-16 show themselves. Of the rest, GBK writes every Chinese character as two bytes above 0xA0, while
-    the letters and signs of Latin-1 (``ü``, ``µ``, ``°``) stand alone among plain letters.
+    the letters and signs of Latin-1 (``ü``, ``µ``, ``°``) stand alone among plain letters. Single lines that are no
+    text, as a serial port gives them before a board has begun to talk, leave the others one.
     """
     if raw.startswith(_UTF16):
         return "utf-16"
-    if b"\0" in raw:
+    if not is_text(raw):
         even, odd = raw[0::2].count(0), raw[1::2].count(0)
         if max(even, odd) < 0.3 * len(raw) or min(even, odd) > 0.05 * len(raw):
             return None
         return "utf-16-le" if odd > even else "utf-16-be"
-    if any(byte < 9 for byte in raw):
-        return None
     if _decodes(raw, "utf-8-sig"):
         return "utf-8-sig"
     if _in_pairs(raw) and _decodes(raw, "gb18030"):
         return "gb18030"
     return "cp1252" if _decodes(raw, "cp1252") else "latin-1"
+
+
+def is_text(raw: bytes) -> bool:
+    """Whether most lines are free of the bytes that no text of one byte a letter has."""
+    lines = raw.splitlines()
+    return 2 * sum(bool(_NO_TEXT.search(line)) for line in lines) < len(lines)
 
 
 def _decodes(raw: bytes, encoding: str) -> bool:

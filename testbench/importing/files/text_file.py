@@ -17,8 +17,9 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from gcode.support.strict import check_plain
-from testbench.importing.files.encodings import encoding_of, known_encoding
-from testbench.importing.layout import Layout, find_layout, is_data
+from testbench.importing.files.encodings import encoding_of, is_text, known_encoding
+from testbench.importing.files.quoted import hidden_rows
+from testbench.importing.layout import Layout, find_layout, is_data, shortened
 from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
 from testbench.importing.vocabulary.notation import decimal_sign, is_number, is_when
 from testbench.recordings.csv_columns import MOST_BYTES, MOST_COLUMNS, in_words
@@ -36,15 +37,25 @@ AFTER_A_UNIT = re.compile(r"(?<=[)\]])\s+")
 
 
 class _Headed(io.TextIOBase):
-    """A text stream with a header above it: pandas takes a column that no row has from a header alone."""
+    """A text stream with a header above it: pandas takes a column that no row has from a header alone.
+
+    Attributes
+    ----------
+    breaks : int
+        Line feeds that were read below the header.
+    """
 
     def __init__(self, header: str, stream: io.TextIOWrapper) -> None:
-        self._header, self._stream = f"{header}\n", stream
+        self._header, self._stream, self.breaks = f"{header}\n", stream, 0
 
     def read(self, size: int | None = -1) -> str:
         """The header at first, then what is in the stream."""
-        header, self._header = self._header, ""
-        return header or self._stream.read(size)
+        if header := self._header:
+            self._header = ""
+            return header
+        text = self._stream.read(size)
+        self.breaks += text.count("\n")
+        return text
 
 
 @dataclass(frozen=True)
@@ -70,6 +81,11 @@ class TextSheet(Sheet):
     def parts_sentences(self) -> bool:
         """Whether each word of a remark is a cell of its own."""
         return self.separator == BLANKS
+
+    @property
+    def whole_names(self) -> bool:
+        """Whether no name can have been parted: nobody writes a tab in one."""
+        return self.separator == "\t"
 
     def blank(self, frame: pd.DataFrame) -> np.ndarray:
         """Which rows of columns that `body` gave are empty.
@@ -104,11 +120,10 @@ class TextSheet(Sheet):
         import pandas as pd
 
         names = list(range(max(numbers)))
-        with self.path.open(encoding=self.encoding) as stream:
-            for _ in range(self.layout.first_row - 1):  # pandas would count a cell with line breaks as one line
-                stream.readline()
+        with self._opened() as stream:
+            headed = _Headed(self.separator.join(map(str, names)), stream)
             frame = pd.read_csv(
-                _Headed(self.separator.join(map(str, names)), stream),
+                headed,
                 sep=r"\s+" if self.separator == BLANKS else self.separator,
                 decimal=self.decimal,
                 header=0,
@@ -120,7 +135,27 @@ class TextSheet(Sheet):
                 index_col=False,
                 low_memory=False,
             )
+        if headed.breaks > len(frame):
+            self._check_quotes()
         return frame.set_axis(numbers, axis=1)
+
+    def _opened(self) -> io.TextIOWrapper:
+        """The file at its first row of numbers."""
+        stream = self.path.open(encoding=self.encoding)
+        for _ in range(self.layout.first_row - 1):  # pandas would count a cell with line breaks as one line
+            stream.readline()
+        return stream
+
+    def _check_quotes(self) -> None:
+        """Some cell goes over several lines; refuse one that hides rows of numbers."""
+        with self._opened() as stream:
+            hidden = hidden_rows(stream, self.separator)
+        if hidden:
+            begin, end = (place + self.layout.first_row for place in hidden)
+            raise UserError(
+                f"{self.path}: a quotation mark in row {begin} is closed only in row {end}, so the rows between are "
+                "one cell and no rows of numbers; take out the marks that quote nothing (inches, noise)"
+            )
 
     def _marked(self, frame: pd.DataFrame, wanted: list[int]) -> pd.DataFrame:
         """The `wanted` columns, in which a row whose cells may stand in columns that are not theirs is no number.
@@ -138,10 +173,14 @@ class TextSheet(Sheet):
             short = (frame[self._usual] == 0) & frame[wanted].notna().any(axis=1)
         frame = frame.astype({first: object}) if (shifted | short).any() else frame
         if shifted.any():
-            frame.loc[shifted, first] = frame[shifted].astype(str).agg(self.separator.join, axis=1)
+            frame.loc[shifted, first] = frame[shifted].astype(str).agg(self.separator.join, axis=1) + self._too_many
         if short.any():
             frame.loc[short, first] = frame.loc[short, wanted].astype(str).agg(" ".join, axis=1).map(self._too_few)
         return frame[wanted]
+
+    @property
+    def _too_many(self) -> str:
+        return f" (more than {len(self.layout.columns)} cells)"
 
     def _too_few(self, row: str) -> str:
         return f"{row.replace(' nan', '')} (fewer than {self._usual} cells)"
@@ -194,7 +233,7 @@ def _head(path: Path, encoding: str | None) -> tuple[str, list[str]]:
     if encoding is None:
         raise UserError(f"{path}: not a text file; export it as CSV, Excel (.xlsx) or TDMS first")
     text = whole.decode(encoding, errors="replace")
-    if not encoding.startswith("utf-16") and "\0" in text:
+    if not encoding.startswith("utf-16") and not is_text(whole):
         raise UserError(f"{path}: not a text file in {encoding}; leave --encoding out, or export it again")
     return encoding, text.replace("\r\n", "\n").replace("\r", "\n").split("\n")[:HEAD_ROWS]
 
@@ -273,4 +312,10 @@ def _no_numbers(lines: Sequence[str], wanted: Sequence[str], hints: Hints) -> st
                 below = number
     if below:
         return f"there is nothing below the header in row {below}"
-    return f"no rows of numbers in its first {len(lines)} lines; see --separator, --encoding and --header-row"
+    filled = [line.strip() for line in lines if line.strip()]
+    return (
+        f"no rows of numbers in its first {len(lines)} lines, where cells hold nothing but a number each: a row is "
+        f"{shortened(filled[len(filled) // 2])!r}; names and units in the cells (t=0.1, 2 mm, JSON) belong into a "
+        "row above them; a table that begins further below is found where lines above it are taken out; else see "
+        "--separator, --encoding and --header-row"
+    )

@@ -15,6 +15,7 @@ _STROKE = re.compile(r"^([^/,]+?)\s*[/,]\s*([^\s/,\d][^\s,]*)$")
 _RATIOS = {role for role, quantities in ROLES.items() if quantities == ("ratio",)}
 LONGEST = 300  # characters of a cell that are looked at; no name of a column is longer
 _PER_CENT = re.compile(r"^(.*?)\s*([%‰])$", re.S)
+_BEFORE = re.compile(r"^([%‰]|(?:per ?cent|prozent|pct)(?=[\s_]))[\s_]*(?:of\s+)?(?=\S)", re.I)  # % strain
 _COMMENT = re.compile(r"^(?:#+|//+)\s*(?=\S)")
 _HIGH = "[⁰¹²³⁴-⁹⁻]"
 _POWERS = (  # whether the numbers are to be multiplied or were, nobody can tell
@@ -23,6 +24,7 @@ _POWERS = (  # whether the numbers are to be multiplied or were, nobody can tell
     rf"\b10(?:(?:\^|\*\*)\s*[-+−]?\d+|{_HIGH}+)",  # 10^3, 10**-3, 10³
     r"\b\d+[eE][-+]?\d+\b",  # 1e3
     r"(?:(?<=[\s/(\[{<])|^)10+(?=\s*[^\W\d]+[\])}>]*$)",  # 1000 before a unit at the end
+    r"^10+\s*(?:x\b|[×*·])(?=\s*\S)",  # 100 x dR/R0
 )
 _POWER = re.compile("|".join(_POWERS))
 
@@ -77,10 +79,10 @@ class Heading:
 def read_heading(text: str) -> Heading:
     """Part a header cell: ``Kraft [N]``, ``Weg / mm``, ``time_ms``, ``Load(Cell 1:Load) (N)``, ``# Zeit in s``."""
     plain = _COMMENT.sub("", plain_text(text[:LONGEST]).strip("\"'").strip())
-    whole, unit_text = _parted(plain)
+    power = power_of_ten(plain)
+    whole, unit_text = _unit_in_front(plain.replace(power, "", 1).strip() if power else plain)
     base = _without_brackets(whole)
-    power = power_of_ten(text[:LONGEST])
-    if power and power not in unit_text:
+    if power:
         unit_text = f"{unit_text} {power}".strip()
     return Heading(text.strip(), base, whole, unit_text, roles_of(base, whole), power)
 
@@ -89,6 +91,18 @@ def power_of_ten(text: str) -> str:
     """The power of ten that a cell of names or units speaks of (``x1000``, ``10^3``); empty where it does not."""
     found = _POWER.search(text)
     return found[0].strip() if found else ""
+
+
+def _unit_in_front(plain: str) -> tuple[str, str]:
+    """As `_parted`; a unit may also stand before the name, which has one: behind ``% t/s``, the % is no unit."""
+    before = _BEFORE.match(plain)
+    if before is None:
+        return _parted(plain)
+    whole, unit_text = _parted(plain[before.end() :])
+    if not unit_text:
+        return whole, before[1]
+    ratio = any(unit.quantity == "ratio" for unit in units_spelt(unit_text))
+    return whole, f"{before[1]} {unit_text}" if ratio else unit_text
 
 
 def _parted(plain: str) -> tuple[str, str]:

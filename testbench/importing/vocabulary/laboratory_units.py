@@ -55,6 +55,7 @@ _TABLE: dict[str, tuple[tuple[str, float, float, str, str], ...]] = {
         ("µs", 1e-6, 0.0, "µs us usec", "micros microsecond microseconds mikrosekunde mikrosekunden 微秒"),
         ("min", 60.0, 0.0, "", "min mins minute minutes minuten 分 分钟"),
         ("h", 3600.0, 0.0, "h hr hrs", "hour hours stunde stunden 小时"),
+        ("d", 86_400.0, 0.0, "d", "days tage jours 天"),
     ),
     "length": (
         ("mm", 1.0, 0.0, "mm MM", "millimeter millimeters millimetre millimetres 毫米"),
@@ -67,10 +68,11 @@ _TABLE: dict[str, tuple[tuple[str, float, float, str, str], ...]] = {
         ("N", 1.0, 0.0, "N", "newton newtons 牛 牛顿"),
         ("mN", 1e-3, 0.0, "mN", "millinewton millinewtons 毫牛"),
         ("cN", 1e-2, 0.0, "cN CN", "centinewton"),
+        ("daN", 10.0, 0.0, "daN DaN", "decanewton dekanewton"),
         ("kN", 1e3, 0.0, "kN KN", "kilonewton kilonewtons 千牛"),
-        ("gf", STANDARD_GRAVITY * 1e-3, 0.0, "g gf", "gram grams gramm gram-force pond 克"),
-        ("kgf", STANDARD_GRAVITY, 0.0, "kg Kg kgf kp KG KGF", "kilogram kilograms kilogramm kilopond 千克 公斤"),
-        ("lbf", 4.4482216152605, 0.0, "lbf lb lbs LBF", "pound-force pounds"),
+        ("gf", STANDARD_GRAVITY * 1e-3, 0.0, "g gf g-f", "gram grams gramm gram-force pond 克"),
+        ("kgf", STANDARD_GRAVITY, 0.0, "kg Kg kgf kg-f kp KG KGF", "kilogram kilograms kilogramm kilopond 千克 公斤"),
+        ("lbf", 4.4482216152605, 0.0, "lbf lb lbs lb-f LBF", "pound-force pounds"),
     ),
     "resistance": (
         ("Ω", 1.0, 0.0, "Ω", "ohm ohms 欧 欧姆"),

@@ -1,12 +1,13 @@
 """The words that exports use for time, displacement, force and resistance, and which of these a column's name means.
 
-English, German and Chinese, and the testers' own words: Standardweg and Standardkraft (testXpert), Extension and Load
-(Bluehill), Crosshead (MTS), Digital Position (WaveMatrix).
+English, German and Chinese; the plain words of French, Italian and Spanish; and those of the testers: Standardweg and
+Standardkraft (testXpert), Extension and Load (Bluehill), Crosshead (MTS), Digital Position (WaveMatrix).
 """
 
 from __future__ import annotations
 
 import re
+import unicodedata
 
 from testbench.importing.vocabulary.relative import ratio_by_formula, ratio_by_words
 
@@ -25,15 +26,17 @@ ROLES: dict[str, tuple[str, ...]] = {
 }
 STRETCH = {"displacement", "strain"}
 
-_ENGLISH = {
-    "time": "time elapsed timestamp clock seconds runtime",
+# Whole words, without accents: English, and French, Italian and Spanish. Of those, none that is another thing in
+# English or German (course: of a knit, charge: a batch).
+_WHOLE = {
+    "time": "time elapsed timestamp clock seconds runtime temps tempo tiempo",
     "displacement": "displacement displ disp extension elongation crosshead position pos stroke travel deflection "
-    "extensometer",
+    "extensometer deplacement allongement spostamento corsa allungamento desplazamiento alargamiento deformation",
     "strain": "strain",
-    "force": "force load loadcell",
-    "resistance": "resistance resistor res",
-    "conductance": "conductance",
-    "temperature": "temperature temp",
+    "force": "force load loadcell effort forza carico fuerza carga",
+    "resistance": "resistance resistor res resistenza resistencia",
+    "conductance": "conductance conduttanza conductancia",
+    "temperature": "temperature temp temperatura",
 }
 # Parts of a word, for German, which joins its words, and Chinese, which does not part them.
 _PARTS = {
@@ -44,6 +47,7 @@ _PARTS = {
         "verlängerung",
         "verlaengerung",
         "traverse",
+        "verformung",
         "位移",
         "行程",
         "伸长",
@@ -111,10 +115,20 @@ _ABOUT = frozenset(
         "density",
         "shunt",
         "series",
+        "vitesse",
+        "velocita",
+        "velocidad",
+        "consigne",
+        "contrainte",
+        "maximale",
+        "massimo",
+        "massima",
+        "maximo",
+        "maxima",
     ]
 )
 _ABOUT_PARTS = (
-    "geschwindigkeit", "soll", "zyklus", "bruch", "spannung",
+    "geschwindigkeit", "soll", "zyklus", "bruch", "spannung", "maximal", "höchst",
     "应力", "速度", "速率", "循环", "次数", "最大", "最小", "设定", "目标", "编号",
     "應力", "循環", "次數", "設定", "目標", "編號",
 )  # fmt: skip
@@ -134,8 +148,9 @@ CERTAIN, LIKELY, SYMBOL = 3, 2, 1
 
 
 def words_of(name: str) -> list[str]:
-    """The words of a name, lower case: ``axialForce_cell 2`` gives axial, force, cell."""
-    return [word.casefold() for word in _WORD.findall(name)]
+    """The words of a name, lower case, without accents: ``axialForce_cell 2`` gives axial, force, cell."""
+    plain = "".join(sign for sign in unicodedata.normalize("NFD", name) if not unicodedata.combining(sign))
+    return [word.casefold() for word in _WORD.findall(plain)]
 
 
 def roles_of(base: str, whole: str) -> dict[str, int]:
@@ -157,7 +172,7 @@ def roles_of(base: str, whole: str) -> dict[str, int]:
     if speaks_about(whole):
         return {}
     found: dict[str, int] = {}
-    for role in _ENGLISH:
+    for role in _WHOLE:
         strength = max(_by_word(role, base, whole), _by_symbol(role, base))
         if strength and not (role == "strain" and _is_not_nominal(whole)):
             found[role] = strength
@@ -166,12 +181,12 @@ def roles_of(base: str, whole: str) -> dict[str, int]:
 
 
 def _by_word(role: str, base: str, whole: str) -> int:
-    english, parts = _ENGLISH[role].split(), _PARTS[role]
+    whole_words, parts = _WHOLE[role].split(), _PARTS[role]
     plain = base.strip().casefold()
-    if plain in english or plain in parts:
+    if plain in whole_words or plain in parts:
         return CERTAIN
     words = words_of(whole)
-    if any(word in english for word in words):
+    if any(word in whole_words for word in words):
         return LIKELY
     text = whole.casefold()
     for other in _NOT_ALONE:

@@ -14,7 +14,7 @@ from testbench.knit.effect import FloatArray, Signals, parameter
 class ContactAgeing(SpotsLaw):
     """A turn of the motion makes the contacts anew; from then on they grow with the logarithm of time.
 
-    ln G += gain * ln(1 + t / tau),   t = time since the last turn
+    ln G += gain * ln(1 + t / tau),   t = time since the last turn; before the first since the start
 
     Source: Rabinowicz, Proc. Phys. Soc. 71 (1958) 668; Dieterich, J. Geophys. Res. 77 (1972) 3690 (contacts at rest
     strengthen with the logarithm of time).
@@ -22,6 +22,7 @@ class ContactAgeing(SpotsLaw):
     """
 
     name = "contact_ageing"
+    jumps = ("back",)
     look = "conductance falls at each turn of the motion and creeps up until the next, fast at first"
 
     gain: float = parameter(0.05, unit="1", low=-2, high=2, doc="change of ln G per e-fold of time")
@@ -29,7 +30,7 @@ class ContactAgeing(SpotsLaw):
     back: float = parameter(0.01, unit="1", low=5e-4, high=0.2, scale="log", doc="strain that makes a turn")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        age_s, _ = since_turn_s(np.ascontiguousarray(signals["strain"]), self.back, dt_s)
+        age_s, _, _ = since_turn_s(np.ascontiguousarray(signals["strain"]), self.back, dt_s)
         return self.gain * np.log1p(age_s / self.tau_s)
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:

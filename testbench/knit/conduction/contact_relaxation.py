@@ -58,7 +58,7 @@ class ContactRelaxationSpectrum(ContactRelaxationLaw):
     """The pressing force fades over decades of time.
 
     P(t) = P_0(t) - fraction * integral of phi(t - s) dP_0(s)
-    phi(t) = mean of 1 - exp(-t / tau) over ln(tau) from `shortest_s` to `longest_s`
+    phi(t) = mean of 1 - exp(-t / tau) over ln(tau) from `shortest_s` to `longest_s`, if that is longer
 
     Source: Fung, Biomechanics (1993), section 7.6 (box spectrum).
     Valid: as `contact_relaxation`.
@@ -140,7 +140,7 @@ class ContactRelaxationSpots(SpotsLaw):
     """Contact spots part again after each change: part of what the conductance gained fades over decades of time.
 
     ln G(t) = ln G_0(t) - fraction * integral of phi(t - s) d(ln G_0)(s)
-    phi(t) = mean of 1 - exp(-t / tau) over ln(tau) from `shortest_s` to `longest_s`
+    phi(t) = mean of 1 - exp(-t / tau) over ln(tau) from `shortest_s` to `longest_s`, if that is longer
 
     Source: Fung, Biomechanics (1993), section 7.6 (box spectrum), for the number of spots that conduct.
     Valid: small changes; times longer than those of an overshoot.
@@ -188,8 +188,9 @@ class ContactRelaxationActivated(SpotsLaw):
 
         conductance = signals["conductance_S"]
         log_g = log_conductance(conductance)
-        tau_s = self.tau_s * np.exp(-self.activation * np.clip(signals["strain"] / self.span, 0.0, 1.0))
-        lost = varying_lowpass(log_g, np.exp(-dt_s / tau_s)) - log_g[0]
+        per_s = np.exp(self.activation * np.clip(signals["strain"] / self.span, 0.0, 1.0)) / self.tau_s
+        mean_per_s = 0.5 * (per_s + np.r_[per_s[0], per_s[:-1]])  # over the step that ends at each sample
+        lost = varying_lowpass(log_g, np.exp(-dt_s * mean_per_s)) - log_g[0]
         return -self.fraction * lost
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:

@@ -67,6 +67,7 @@ class SelfHeatingTwoMasses(SelfHeatingLaw):
     """The measuring current warms the yarn at once and the fabric around it slowly.
 
     ln G += coefficient * (share * y_1 + (1 - share) * y_2),   tau_k y_k' = G / G(0) - y_k,   y_k(0) = 0
+    tau_1 = fast,   tau_2 = max(slow, fast)
 
     Source: as `self_heating`, with two thermal masses.
     Valid: small temperature rise; constant voltage.
@@ -83,7 +84,8 @@ class SelfHeatingTwoMasses(SelfHeatingLaw):
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         conductance = signals["conductance_S"]
         power = conductance / conductance[0]
-        yarn, fabric = (lowpass(power, tau_s, dt_s, start=0.0) for tau_s in (self.fast_s, self.slow_s))
+        taus_s = self.fast_s, max(self.slow_s, self.fast_s)  # in the other order two points would be one law
+        yarn, fabric = (lowpass(power, tau_s, dt_s, start=0.0) for tau_s in taus_s)
         warmth = self.share * yarn + (1 - self.share) * fabric
         return self.coefficient * warmth
 

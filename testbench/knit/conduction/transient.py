@@ -143,7 +143,7 @@ class ShoulderBumps(ShoulderLaw):
     """Base of the laws of peaks of the resistance at some places of the way back, none on the way out.
 
     ln G += b(z) * sum_j w_j B_j(place),   dz/|de| = (sgn(de) - z) / (travel * span)
-    b = max((1 - z) / 2 - late, 0) / (1 - late)
+    b = max((1 - z) / 2 - late, 0) / (1 - late),   z = 1 at the start: what was mounted came there on the way out
 
     Source: Flandin, Hiltner & Baer, Polymer 42 (2001) 827; penalised splines, Eilers & Marx, Statist. Sci. 11 (1996)
     89.
@@ -235,10 +235,13 @@ class ShoulderPeakWayBack(ShoulderBumps):
 
 
 def on_the_way_back(strain: FloatArray, travel: float, late: float) -> FloatArray:
-    """0 on the way out, 1 on the way back, shape (n,); `travel` in strain, `late` as a share of a turn."""
+    """0 on the way out and at the start, 1 on the way back, shape (n,).
+
+    `travel` in strain, `late` as a share of a turn.
+    """
     from testbench.knit.kernels import bouc_wen_of_exponent_1
 
-    return np.maximum(0.5 * (1 - bouc_wen_of_exponent_1(strain, travel, 0.0)) - late, 0.0) / (1 - late)
+    return np.maximum(0.5 * (1 - bouc_wen_of_exponent_1(strain, travel, 0.0, 1.0)) - late, 0.0) / (1 - late)
 
 
 class RateResistance(OvershootLaw):

@@ -76,8 +76,10 @@ class ElectricalOvershootTurn(OvershootLaw):
         return 0.5 * self.gain * turned
 
 
-def since_turn_s(strain: FloatArray, back: float, dt_s: float, early: float = 1.0) -> tuple[FloatArray, np.ndarray]:
-    """Time since the last turn, and the sample at which it was, each shape (n,).
+def since_turn_s(
+    strain: FloatArray, back: float, dt_s: float, early: float = 1.0
+) -> tuple[FloatArray, np.ndarray, np.ndarray]:
+    """Time since the last turn (before any: since the start), its sample, and whether there was one, each shape (n,).
 
     Parameters
     ----------
@@ -88,9 +90,10 @@ def since_turn_s(strain: FloatArray, back: float, dt_s: float, early: float = 1.
     """
     from testbench.knit.kernels import turns
 
-    turned, known, _ = turns(strain, back)
+    turned, known, count = turns(strain, back)
     at = turned.astype(int)
-    return (np.arange(len(strain)) - known + early * (known - _between_samples(strain, at))) * dt_s, at
+    since = np.arange(len(strain)) - known + early * (known - _between_samples(strain, at))
+    return since * dt_s, at, count > 0
 
 
 def _between_samples(x: FloatArray, at: np.ndarray) -> FloatArray:
@@ -108,7 +111,7 @@ class ElectricalOvershootAnew(OvershootLaw):
     """Each turn of the motion starts a transient anew and breaks the one before off.
 
     ln G += gain * d * (exp(-t / tau) - exp(-t / rise)) * tau / (tau - rise)
-    t = time since the last turn,   d = 1 while stretching, -1 while releasing
+    t = time since the last turn,   d = 1 while stretching, -1 while releasing, 0 before the first turn
 
     Source: as `electrical_overshoot_reversal`; contacts that are made anew at each turn: Rabinowicz, Proc. Phys. Soc.
     71 (1958) 668.
@@ -117,6 +120,7 @@ class ElectricalOvershootAnew(OvershootLaw):
     """
 
     name = "electrical_overshoot_anew"
+    jumps = ("back",)
     look = "a spike of the conductance after every turn of the motion, the same however soon the next one follows"
 
     gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="change of ln G at a turn")
@@ -134,8 +138,8 @@ class ElectricalOvershootAnew(OvershootLaw):
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         strain = np.ascontiguousarray(signals["strain"])
-        since_s, turned_at = since_turn_s(strain, self.back, dt_s, self.early)
-        heading = np.sign(strain - strain[turned_at])
+        since_s, turned_at, has_turned = since_turn_s(strain, self.back, dt_s, self.early)
+        heading = np.where(has_turned, np.sign(strain - strain[turned_at]), 0.0)
         slow_s, quick_s = max(self.tau_s, self.rise_s), min(self.tau_s, self.rise_s)
         faster = 1 / quick_s - 1 / slow_s
         # (exp(-t / slow) - exp(-t / quick)) / faster, which is t exp(-t / tau) where both times are the same

@@ -181,6 +181,7 @@ class ClampSlipEvents(ClampSlipLaw):
     name = "clamp_slip_events"
     reads = ("time_s", "strain")
     strength = "amounts"
+    jumps = ("slip_times_s",)
     per_recording = ("amounts", "slip_times_s")
     look = "the misfit jumps within a fraction of a second, several times, and stays"
 

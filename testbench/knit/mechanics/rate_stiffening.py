@@ -49,7 +49,9 @@ class ViscousRateStiffening(RateLaw):
     strength = "force_at_rate_N"
     look = "the faster the stretch the higher the force, the faster the release the lower"
 
-    force_at_rate_N: float = parameter(0.2, unit="N", low=0, high=100, doc="viscous force at 10 % strain per second")
+    force_at_rate_N: float = parameter(
+        0.2, unit="N", low=0, high=100, doc="viscous force at 10 % strain per second, where `rate0` is far below that"
+    )
     exponent: float = parameter(1.0, unit="1", low=0.2, high=1.5, doc="1: linear dashpot; smaller: shear thinning")
     rate0_per_s: float = parameter(1e-4, unit="1/s", low=1e-5, high=0.1, scale="log", doc=RATE0_DOC)
 
@@ -147,7 +149,9 @@ class ViscousRateStiffeningPower(RateLaw):
     name = "viscous_rate_stiffening_power"
     look = "the faster, the stiffer, in proportion to the force; strongest change at slow rates"
 
-    gain: float = parameter(0.1, unit="1", low=0, high=3, doc="relative force added at a strain rate of 0.1 / s")
+    gain: float = parameter(
+        0.1, unit="1", low=0, high=3, doc="relative force added at 0.1 / s, where `rate0` is far below that"
+    )
     exponent: float = parameter(0.4, unit="1", low=0.1, high=1.5, scale="log", doc="power of the rate")
     rate0_per_s: float = parameter(1e-4, unit="1/s", low=1e-5, high=0.1, scale="log", doc=RATE0_DOC)
 

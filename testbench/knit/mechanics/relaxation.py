@@ -56,7 +56,7 @@ class StressRelaxationTwoTimes(StressRelaxationLaw):
     """Force decays in two steps, a quick one and a slow one: two terms of a Prony series.
 
     F(t) = F_e(t) - fraction * integral of phi(t - s) dF_e(s)
-    phi(t) = share (1 - exp(-t / fast)) + (1 - share) (1 - exp(-t / slow))
+    phi(t) = share (1 - exp(-t / fast)) + (1 - share) (1 - exp(-t / max(slow, fast)))
 
     Source: as `stress_relaxation`.
     Valid: as `stress_relaxation`.
@@ -81,7 +81,7 @@ class StressRelaxationSpectrum(StressRelaxationLaw):
     """Force decays with a whole box of relaxation times: nearly like the logarithm of time between two times.
 
     F(t) = F_e(t) - fraction * integral of phi(t - s) dF_e(s)
-    phi(t) = mean of 1 - exp(-t / tau) over ln(tau) from `shortest_s` to `longest_s`
+    phi(t) = mean of 1 - exp(-t / tau) over ln(tau) from `shortest_s` to `longest_s`, if that is longer
 
     Source: Fung, Biomechanics (1993), section 7.6 (box spectrum).
     Valid: as `stress_relaxation`.

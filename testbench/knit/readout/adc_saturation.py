@@ -51,6 +51,10 @@ class SaturationLaw(Effect):
     strength = "floor_ohm"
     nonlinear = True
 
+    def nowhere(self) -> dict[str, Any]:
+        """Where a fit starts on data that show no rail: from none, for no size of one is usual in every unit."""
+        return {self.strength: 0.0}
+
 
 class AdcSaturation(SaturationLaw):
     """The converter cannot read resistances below a floor: conductance is clipped at the top.
@@ -71,7 +75,8 @@ class AdcSaturation(SaturationLaw):
         return {"conductance_S": np.minimum(signals["conductance_S"], top_S)}
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
-        return [{"floor_ohm": float(np.exp(-level))} for level in _rails(_measured_ln(signals, residual), 1.0)]
+        tops = _rails(_measured_ln(signals, residual), 1.0)
+        return [{"floor_ohm": float(np.exp(-level))} for level in tops] or [self.nowhere()]
 
 
 class AdcSaturationHigh(SaturationLaw):
@@ -93,7 +98,8 @@ class AdcSaturationHigh(SaturationLaw):
         return {"conductance_S": np.maximum(signals["conductance_S"], self.floor_S)}
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
-        return [{"floor_S": float(np.exp(level))} for level in _rails(_measured_ln(signals, residual), -1.0)]
+        bottoms = _rails(_measured_ln(signals, residual), -1.0)
+        return [{"floor_S": float(np.exp(level))} for level in bottoms] or [self.nowhere()]
 
 
 class AdcSaturationSoft(SaturationLaw):
@@ -145,4 +151,4 @@ class AdcSaturationForce(SaturationLaw):
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         tops_N = _rails(signals["force_N"] + residual.get("force", 0.0), 1.0)
-        return [{"inverse_range_per_N": 1 / top_N} for top_N in tops_N if top_N > 1e-3]
+        return [{"inverse_range_per_N": 1 / top_N} for top_N in tops_N if top_N > 0] or [self.nowhere()]

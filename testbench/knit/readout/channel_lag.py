@@ -24,6 +24,12 @@ class ChannelLagLaw(Effect):
         return {signal: self.late(signals[signal], dt_s)}
 
 
+def read_as_resistance(law: ChannelLagLaw, conductance_S: FloatArray, dt_s: float) -> FloatArray:
+    """Conductance by a reading of the resistance that is late, shape (n,); as it is where that is not late at all."""
+    ohm = 1 / conductance_S
+    return conductance_S * (ohm / law.late(ohm, dt_s))
+
+
 class OneFilter(ChannelLagLaw):
     """Base of the laws of one filter."""
 
@@ -59,7 +65,7 @@ class ChannelLagResistance(OneFilter):
     look = "conductance comes later than force, and later when it rises than when it falls"
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"conductance_S": 1 / self.late(1 / signals["conductance_S"], dt_s)}
+        return {"conductance_S": read_as_resistance(self, signals["conductance_S"], dt_s)}
 
 
 class TwoFilters(ChannelLagLaw):
@@ -87,7 +93,7 @@ class ChannelLagTwoFilters(TwoFilters):
     look = "conductance comes later than force, and its turns are rounder"
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"conductance_S": 1 / self.late(1 / signals["conductance_S"], dt_s)}
+        return {"conductance_S": read_as_resistance(self, signals["conductance_S"], dt_s)}
 
 
 class ChannelLagForce(OneFilter):

@@ -49,7 +49,7 @@ class LoadCellCreepTwoTimes(LoadCellLaw):
     """The load cell's reading creeps in two steps: a quick one of the glue, a slow one of the spring.
 
     reading(t) = F(t) + fraction * integral of phi(t - s) dF(s)
-    phi(t) = share (1 - exp(-t / fast)) + (1 - share) (1 - exp(-t / slow))
+    phi(t) = share (1 - exp(-t / fast)) + (1 - share) (1 - exp(-t / max(slow, fast)))
 
     Source: OIML R 60; two terms of a Prony series.
     Valid: as `load_cell_creep`.

@@ -71,7 +71,7 @@ OPERATORS = {
             "the rounded loop over {x}",
             "memory",
             (Slot("reach", "r", "travel in which it turns over", "size"),),
-            (r"\frac{dh}{d{x}} = \frac{1 - \frac{h + |h|\,\mathrm{sgn}\,{x}'}{2}}{r} \text{ (Bouc-Wen)}",),
+            (r"\frac{dh}{d{x}} = \frac{1 - \frac{|h| + h\,\mathrm{sgn}\,{x}'}{2}}{r} \text{ (Bouc-Wen)}",),
             unit=ONE,
         ),
         Operator(

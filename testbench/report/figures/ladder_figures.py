@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from testbench.comparing.numbers import plain
+from testbench.comparing.numbers import over_noise, plain
 from testbench.comparing.words import spoken
 from testbench.report import style
 from testbench.report.downsample import window
@@ -51,7 +51,7 @@ class Step:
     @property
     def over_noise(self) -> dict[str, float]:
         """By channel: how many times the noise floor the error is."""
-        return {channel: error / max(self.noise_floor[channel], 1e-300) for channel, error in self.errors.items()}
+        return {channel: over_noise(error, self.noise_floor[channel]) for channel, error in self.errors.items()}
 
 
 def ladder(steps: Sequence[Step], current: int | None = None) -> style.Figure:

@@ -20,6 +20,7 @@ from compensation.model.streaming import CompensatorStream
 from compensation.training.options import Options
 from compensation.training.training import train
 from gcode.support.errors import UserError
+from testbench.recordings import doubts
 from testbench.recordings.files import write_recording_csv
 from tests.compensation.conftest import paused
 
@@ -236,3 +237,24 @@ def test_a_gap_makes_no_recording_long_enough(compensator, recordings, tmp_path,
     for argv in (predicting(tmp_path), ["score", str(tmp_path / "c.json"), str(tmp_path / "r.csv")], training):
         assert main(argv) == 2
         assert re.search(r"r.csv: 20\.0 s long|longest recording has 20 s", capsys.readouterr().err)
+
+
+@pytest.mark.parametrize("fault", ["no reading", "a clock that runs backwards"])
+def test_what_has_no_good_sample_is_not_predicted(compensator, recordings, tmp_path, capsys, fault):
+    compensator_files.save(tmp_path / "c.json", compensator)
+    part = recordings[1].between(0, 60)
+    frame = pd.DataFrame({"time_s": part.time_s, "resistance_ohm": part["resistance_ohm"]})
+    frame = frame.assign(resistance_ohm=np.nan) if fault == "no reading" else frame[::-1]
+    frame.to_csv(tmp_path / "r.csv", index=False)
+    assert main(predicting(tmp_path)) == 2
+    assert "r.csv: 0.0 s of good samples (a positive resistance, times in order)" in capsys.readouterr().err
+
+
+def test_a_clock_in_milliseconds_is_asked_about(compensator, recordings, tmp_path, caplog, monkeypatch):
+    monkeypatch.setattr(doubts, "_SAID", set())
+    compensator_files.save(tmp_path / "c.json", compensator)
+    part = recordings[1].between(0, 60)
+    for factor in (1.0, 1000.0):
+        write_recording_csv(tmp_path / "r.csv", replace(part, time_s=factor * part.time_s))
+        assert main(predicting(tmp_path)) == 0
+        assert ("is its time in s?" in caplog.text) == (factor != 1.0)

@@ -107,13 +107,15 @@ def test_every_reference_is_known_by_what_was_read(recordings, tmp_path):
     """Under whatever name, at rest as well, and the first of two recalibrations no less than the last."""
     found = train(recordings[:1], "force", Options(sizes=(2,), restarts=1, engine="fast"))
     minute = series_of(recordings[1].between(0.0, 60.0), "force", 20.0)
-    rest = series_of(recordings[2].between(0.0, 20.0), "force", 20.0)
+    ohm = recordings[2]["resistance_ohm"]
+    resting = replace(recordings[2], channels={**recordings[2].channels, "resistance_ohm": 0.9 * ohm[0] + 0.1 * ohm})
+    rest = series_of(resting.between(0.0, 20.0), "force", 20.0)
     for reference in (minute, replace(rest, truth=np.zeros(len(rest)))):
         found = recalibrated(found, reference)
     files.save(tmp_path / "c.json", found)
     again = files.load(tmp_path / "c.json")
     assert again.recipe == found.recipe
-    elsewhere = [replace(recording, source="elsewhere") for recording in recordings]
+    elsewhere = [replace(recording, source="elsewhere") for recording in (*recordings[:2], resting)]
     stranger = replace(recordings[1].between(60.0, 120.0), source=minute.source)
     scores = score_recordings(again, [*elsewhere, stranger])
     assert [row["role"] for row in scores["recordings"]] == ["training", "reference", "reference", "held-out"]

@@ -309,3 +309,19 @@ def test_what_moves_in_one_part_alone_cannot_be_cross_validated(series):
     still = replace(part, truth=np.where(resting, 0.0, part.truth))
     with pytest.raises(UserError, match="without one of 5 parts the force stands still"):
         train_automatically([still], "force", Options())
+
+
+def test_a_rest_among_the_recordings_has_no_r2_of_its_own(series):
+    """The raw signal is scored on the recordings that move; a rest is learned from as well."""
+    short = [part.rows(np.arange(200)) for part in series]
+    rest = replace(short[0], truth=np.zeros(200))
+    assert auto._raw_r2([rest, *short[1:]], 1.0) == pytest.approx(auto._raw_r2(short[1:], 1.0))
+    found = train_automatically([rest, *short[1:]], "force", Options())
+    assert np.isfinite(found.recipe["cross_validated"]["raw_r2"])
+
+
+def test_what_is_no_better_than_a_constant_is_said(trained):
+    promise = trained.recipe["cross_validated"]
+    for r2, said in ((promise["r2_ordinary"], False), (-0.1, True)):
+        recipe = {**trained.recipe, "cross_validated": {**promise, "r2_ordinary": r2}}
+        assert ("no better than a constant" in cross_validation_table(recipe, "N")) == said

@@ -199,6 +199,20 @@ def test_a_reference_may_stand_still(compensator, recordings, tmp_path, capsys):
     assert "say so with --rest" in capsys.readouterr().err
 
 
+def test_a_reference_that_stands_still_beside_a_moving_sensor_is_refused(compensator, recordings, tmp_path, capsys):
+    """A load cell that is not connected says nothing of a sensor that is stretched, whatever its noise."""
+    compensator_files.save(tmp_path / "c.json", compensator)
+    argv = ["recalibrate", str(tmp_path / "c.json"), str(tmp_path / "r.csv"), "-o", str(tmp_path / "new.json")]
+    dead = still(recordings[1], force_N=0.3)
+    noise = 1e-3 * np.random.default_rng(0).standard_normal(len(dead))
+    for force_N in (dead["force_N"], dead["force_N"] + noise):
+        write_recording_csv(tmp_path / "r.csv", replace(dead, channels={**dead.channels, "force_N": force_N}))
+        assert main(argv) == 2
+        said = capsys.readouterr().err
+        assert "the force stands still at 0.3 N while the conductance spreads" in said
+        assert said.count("\n") == 1
+
+
 @pytest.mark.parametrize("seconds", ["60", "6"])
 def test_a_reference_that_was_never_tared_is_refused(compensator, recordings, tmp_path, capsys, seconds):
     compensator_files.save(tmp_path / "c.json", compensator)

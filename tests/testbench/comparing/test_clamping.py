@@ -106,3 +106,12 @@ def test_only_the_last_of_several_recordings_is_moved() -> None:
     late = last.signals["time_s"] >= last.begins_s[-1]
     np.testing.assert_allclose(shifted[~late], 0.0, atol=0)
     np.testing.assert_allclose(shifted[late], 0.5 / recordings[0].gauge_length_mm)
+
+
+def test_how_well_a_zero_is_known_is_no_matter_of_the_play(fitted) -> None:
+    """Where the recording tells more of it than the play does."""
+    result, _, held = fitted
+    found = [zero_of(result.model, replace(held, clamp_play_mm=play_mm)) for play_mm in (0.2, 0.5, 2.5)]
+    errors = [zero.standard_error_mm for zero in found]
+    assert errors == pytest.approx([errors[0]] * 3, rel=0.02)
+    assert [zero.shift_mm for zero in found] == pytest.approx([found[0].shift_mm] * 3, abs=0.1 * errors[0])

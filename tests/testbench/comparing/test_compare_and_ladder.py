@@ -61,12 +61,21 @@ def test_maps_hold_every_sample_once_and_their_means_make_up_the_residual():
     measurement = prepare(record(truth()))
     where = {name: values[measurement.counts] for name, values in coordinates(measurement).items()}
     residual = np.random.default_rng(0).normal(0.3, 1.0, int(measurement.counts.sum()))
-    maps = residual_maps(residual, where, measurement.dt_s)
+    maps = residual_maps(residual, where)
     for coordinate in ("strain_rate", "elapsed_s", "cycle"):
         cells = maps[coordinate]
         assert sum(cell.share for cell in cells) == pytest.approx(1.0, abs=0.02)
         assert sum(cell.share * cell.mean for cell in cells) == pytest.approx(residual.mean(), abs=0.02)
         assert all(cell.standard_error > 0 for cell in cells)
+
+
+def test_blocks_are_of_time_however_rarely_a_hold_was_sampled():
+    """One sample in 5 s: 20 s of them are 4, and of 500 s there are 25 blocks."""
+    where = {name: np.zeros(100) for name in ("strain", "direction", "since_hold_s")}
+    where["elapsed_s"] = 5.0 * np.arange(100)
+    residual = np.random.default_rng(0).normal(0.0, 1.0, 100)
+    (cell,) = residual_maps(residual, {**where, "cycle": np.minimum(np.arange(100.0), 1.0)})["cycle"]
+    assert cell.standard_error == pytest.approx(1 / 25**0.5, rel=0.25)
 
 
 @pytest.fixture(scope="module")

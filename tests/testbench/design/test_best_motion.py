@@ -11,13 +11,16 @@ from hypothesis import strategies as st
 
 from gcode.programs.make import make
 from gcode.support.errors import UserError
+from gcode.trajectories.trajectory import Trajectory
 from testbench.design.ahead import following, planned
 from testbench.design.best_motion import best_motion
 from testbench.design.compositions import drawn, in_words, motion_of, varied
 from testbench.design.forecast import Forecaster, Likely, Reading
 from testbench.design.information import information
 from testbench.design.protocols import NOISE, Bounds, menu
+from testbench.fitting.constants import ALIKE_S
 from testbench.fitting.fit import fit
+from testbench.measurements.measurement import ended
 from tests.testbench.builders import CATALOGUE, NOISE_LN, NOISE_N, truth
 from tests.testbench.design.monte_carlo import sampled_information
 from tests.testbench.design.readings import read
@@ -139,3 +142,35 @@ def test_one_hypothesis_is_no_question(designed):
     measured, likely, _ = designed
     with pytest.raises(UserError, match="two hypotheses or more, got 1"):
         best_motion(likely[:1], measured, READING, BOUNDS)
+
+
+def test_a_short_motion_has_no_more_pieces_than_it_lasts(designed):
+    """37 s count: they are 23 pieces of news, however many a recording may have at most."""
+    measured, likely, _ = designed
+    short = Trajectory(np.arange(801) / 20, 5 * np.abs(np.sin(np.arange(801) / 100)))
+    ahead = following(measured, short, BOUNDS.gauge_length_mm, 10.0)
+    news = measured.dt_s * ahead.counts.sum() / ALIKE_S
+    (few, _), (many, _) = (
+        Forecaster(likely[0], measured, replace(READING, pieces=pieces)).expect(ahead) for pieces in (news, 300.0)
+    )
+    assert many.mean == pytest.approx(few.mean)
+    assert len(many.mean) == 2 * ahead.counts.sum()
+
+
+def test_the_force_of_a_motion_is_not_that_of_what_came_before(designed):
+    """A specimen that was pulled hard may still be pulled gently."""
+    measured, likely, _ = designed
+    gentle = Trajectory(np.arange(801) / 20, 0.5 * np.abs(np.sin(np.arange(801) / 100)))
+    ahead = following(measured, gentle, BOUNDS.gauge_length_mm, 10.0)
+    _, (_, top_N) = Forecaster(likely[0], measured, READING).expect(ahead)
+    assert top_N < 0.3 * float(np.max(measured.measured["force"]))
+
+
+def test_in_a_rest_the_strain_goes_to_where_the_motion_begins(designed):
+    """As in recordings that are joined."""
+    measured, _, found = designed
+    pulled = ended(replace(measured, counts=measured.counts & (measured.signals["strain"] > 0.1)))
+    ahead = following(pulled, found.made.trajectory, BOUNDS.gauge_length_mm, 10.0)
+    rest = (ahead.signals["time_s"] > pulled.signals["time_s"][-1]) & (ahead.signals["time_s"] < ahead.begins_s[-1])
+    assert np.abs(np.diff(ahead.signals["strain"][rest])).max() < 0.3 * ahead.dt_s / 10.0
+    assert len(ahead.quieter) == len(ahead.strain_noise) == len(ahead.counts)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,9 @@ from gcode.trajectories.trajectory import Trajectory
 from testbench.design.ahead import planned
 from testbench.design.imitation import Rival, imitate
 from testbench.design.protocols import Bounds, drivable
+from testbench.fitting.evidence.laplace import fitted
+from testbench.fitting.evidence.sample_noise import known_noise
+from testbench.fitting.evidence.telling import independent_share
 from tests.testbench.builders import CATALOGUE, GAUGE_LENGTH_MM, NOISE_LN, NOISE_N, truth
 
 FLOORS = {"force": NOISE_N, "conductance": NOISE_LN}
@@ -51,3 +56,21 @@ def test_what_no_law_of_the_imitator_does_is_left(new_heights):
     assert found.channel == "force"
     assert found.log_odds > 5
     assert found.left["force"].mean() == pytest.approx(0, abs=1e-9)
+
+
+def test_a_search_looks_with_the_noise_that_is_known(new_heights):
+    """However far a rival is away, what it leaves is no noise."""
+    relaxing = truth().plus(CATALOGUE["stress_relaxation"]().replaced(fraction=0.4))
+    measured = new_heights.modelled(relaxing)
+    known = known_noise(replace(new_heights, measured=measured), FLOORS)
+    found = fitted(truth(), known, truth())
+    assert found.evidence.sigma == FLOORS
+    assert found.tails == 0
+
+    def left(model):
+        off = {c: (measured[c] - v)[new_heights.counts] / FLOORS[c] for c, v in new_heights.modelled(model).items()}
+        return 0.5 * independent_share(new_heights) * sum(float(np.sum((v - v.mean()) ** 2)) for v in off.values())
+
+    taken_for_noise = fitted(truth(), replace(known, is_known=False), truth()).model
+    imitation = imitate(Rival("relaxing", relaxing), Rival("base", truth()), new_heights, FLOORS)
+    assert imitation.log_odds < 0.9 * left(taken_for_noise)

@@ -102,3 +102,12 @@ def test_simulation_lies_between_the_bounds(seed, rivals, size, free, spread):
     slack = 0.06  # of 4000 draws
     assert found.low - slack <= told <= found.high + slack
     assert 0 <= found.low <= found.high + 1e-9 <= -float(probabilities @ np.log(probabilities)) + 2e-9
+
+
+@pytest.mark.parametrize("place", [0, 1, 2])
+def test_what_cannot_be_tells_nothing(place):
+    likely, chances = [at(0.0, 1.0), at(2.0, 1.0)], [0.7, 0.3]
+    alone = information(likely, chances)
+    likely.insert(place, at(50.0, -3.0, factor=[[1.0], [2.0]]))
+    chances.insert(place, 0.0)
+    assert vars(information(likely, chances)) == pytest.approx(vars(alone))

@@ -172,7 +172,10 @@ def test_a_row_whose_cells_are_shifted_by_a_number_in_two_parts_is_not_taken(tmp
     rows = [f"{n / 10},{n},0.5,{900 + n}" for n in range(400)]
     rows[300], rows[310] = "30.0,300,0,5,1200", "31.0,310,0.5,1210,marked"
     text = "\n".join(["t,x,F,R", *rows]).replace(",", separator)
-    with pytest.raises(UserError, match=rf"row 302: t must be a number, got '30.0{separator}300.*1200'; --drop-bad"):
+    with pytest.raises(
+        UserError,
+        match=rf"row 302: t must be a number, got '30.0{separator}300.*1200 .more than 4 cells.'; --drop-bad",
+    ):
         imported(tmp_path, text)
     done = import_csv(written(tmp_path, text), wish(drop_bad=True))
     assert (done.dropped, done.recording["resistance_ohm"].min()) == (1, 900)

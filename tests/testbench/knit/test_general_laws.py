@@ -111,3 +111,45 @@ def test_a_knit_was_at_rest_before_a_recording_that_begins_in_motion(name, dt_s)
         return log_g[np.searchsorted(time_s, rest_s + np.array([2.0, 4.0, 6.0]) - 1e-9)]
 
     assert changes(0.0) == pytest.approx(changes(10.0), rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("name", "quick", "slow", "share"),
+    [
+        ("stress_relaxation_two_times", "fast_s", "slow_s", "share"),
+        ("load_cell_creep_two_times", "fast_s", "slow_s", "share"),
+        ("self_heating_two_masses", "fast_s", "slow_s", "share"),
+        ("stress_relaxation_spectrum", "shortest_s", "longest_s", ""),
+        ("contact_relaxation_spectrum", "shortest_s", "longest_s", ""),
+        ("contact_relaxation_spots", "shortest_s", "longest_s", ""),
+    ],
+)
+def test_two_orders_of_times_are_not_one_law(name, quick, slow, share):
+    """Where the slow time is below the quick one, there is one time: a fit cannot end at the mirror of its answer."""
+
+    def law(quick_s: float, slow_s: float, of_quick: float) -> np.ndarray:
+        return made(name, **{quick: quick_s, slow: slow_s}, **({share: of_quick} if share else {}))
+
+    ordered, swapped = law(30.0, 90.0, 0.3), law(90.0, 30.0, 0.7)
+    plain = SIGNALS[CATALOGUE[name].writes[0]]
+    assert np.max(np.abs(ordered - swapped)) > 0.02 * np.max(np.abs(ordered - plain))
+    np.testing.assert_array_equal(swapped, law(90.0, 90.0, 0.1 if not share else 0.7))
+    np.testing.assert_allclose(swapped, law(90.0, 90.0, 0.2), rtol=1e-12)
+
+
+@pytest.mark.parametrize("rate_hz", [1000, 40, 10, 2])
+def test_contacts_that_part_the_sooner_the_more_they_are_stretched_do_so_at_any_sampling_rate(rate_hz):
+    """On a ramp of the strain, and of ln G, by the integral of 1 / tau: 1 / tau = exp(c t) / tau_0."""
+    time_s = np.arange(0, 20, 1 / rate_hz)
+    law = CATALOGUE["contact_relaxation_activated"].model_validate(
+        {"fraction": 0.4, "tau_s": 20.0, "activation": 3.0, "span": 0.2}
+    )
+    signals = {"strain": 0.01 * time_s, "conductance_S": np.exp(0.05 * time_s)}
+    lost = -(np.log(law.apply(signals, 1 / rate_hz)["conductance_S"]) - 0.05 * time_s) / 0.4
+    growth = 3.0 / 20.0
+    fine_s = np.linspace(0, time_s[-1], 40001)
+    kept = np.exp(np.expm1(growth * fine_s) / (growth * 20.0))  # 1 over what is left of a step made then
+    # y' = (x - y) / tau from y = 0, for x = 0.05 t: y = x minus what of the ramp has not yet been followed
+    left = np.concatenate([[0.0], np.cumsum(0.5 * (kept[1:] + kept[:-1]) * np.diff(fine_s))]) / kept
+    followed = np.interp(time_s, fine_s, 0.05 * (fine_s - left))
+    np.testing.assert_allclose(lost, followed, atol=3e-3 * followed[-1])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.comparing.model_errors import noise_floors
+from testbench.comparing.model_errors import noise_floors, rms_errors
 from testbench.fitting.evidence.telling import HOLD_STEP, on_the_grid, telling
 from testbench.measurements import preparing
 from testbench.measurements.bins import Bins
@@ -14,6 +14,7 @@ from testbench.measurements.preparing import prepare
 from testbench.measurements.splitting import split
 from testbench.recordings.channels import DISPLACEMENT, FORCE
 from testbench.recordings.recording import Recording
+from tests.testbench.builders import NOISE_N, record, truth
 
 GAUGE_LENGTH_MM = 100.0
 
@@ -181,3 +182,9 @@ def test_a_gap_takes_few_points_of_the_grid_away_and_no_share_of_the_held_out_pa
     assert after_gap == pytest.approx(counted, abs=30)
     whole, late = prepare(paused(0.0)), prepare(paused(1800.0))
     assert on_the_grid(late).dt_s == pytest.approx(on_the_grid(whole).dt_s)
+
+
+def test_a_held_out_recording_has_a_rate_of_its_own() -> None:
+    """Rare samples to fit on are no reason to judge between rare points."""
+    held = split(record(truth(), 240, 2.0, 1), record(truth(), 60, 40.0, 1))[1]
+    assert rms_errors(truth(), held)["force"] < 1.1 * NOISE_N

@@ -10,7 +10,16 @@ import numpy as np
 import pytest
 
 from testbench.knit.filters import lowpass
-from testbench.knit.memories import broad_memory, ever_later, gathered, last_top, seconds_near, turning, two_way_lag
+from testbench.knit.memories import (
+    broad_memory,
+    ever_later,
+    gathered,
+    heading,
+    last_top,
+    seconds_near,
+    turning,
+    two_way_lag,
+)
 from testbench.knit.rules import READABLE, applied, check, example_signals
 from testbench.proposing.grids import LATE_S, MOST_SKEW, Grid
 from testbench.proposing.laws.formulas import latex_of, plain
@@ -203,3 +212,13 @@ def test_a_slow_or_fast_clock_is_not_missed_between_two_shares():
     assert -shares[shares < 0][::-1] == pytest.approx(slow)
     assert np.diff(slow, prepend=0.0) * GRID.duration_s == pytest.approx(np.full(len(slow), LATE_S))
     assert slow[-1] <= MOST_SKEW + 1e-9
+
+
+def test_a_rounded_loop_turns_over_by_the_equation_that_is_written_for_it():
+    x = 0.1 * np.sin(np.arange(0, 20, 1e-3))
+    h = heading(x, 50.0 * 0.03)  # as the operator's code has it, for a reach of 0.03
+    way, here = np.sign(np.diff(x)), 0.5 * (h[1:] + h[:-1])
+    slope = (1 - (np.abs(here) + here * way) / 2) / 0.03
+    steady = np.abs(np.diff(x)) > 1e-6
+    np.testing.assert_allclose((np.diff(h) / np.diff(x))[steady], slope[steady], rtol=1e-2)
+    assert r"|h| + h\,\mathrm{sgn}" in OPERATORS["loop"].definitions[0]

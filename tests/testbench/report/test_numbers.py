@@ -27,6 +27,8 @@ from testbench.report.worst_places import beyond_noise, busiest, spots
         (-5.796, "-5.80"),
         (5e-324, "4.94·10⁻³²⁴"),
         (9.999e-5, "1.00·10⁻⁴"),
+        (9.9996, "10.0"),
+        (99.96, "100"),
     ],
 )
 def test_numbers_have_three_digits_and_no_exponent(value: float, text: str) -> None:
@@ -130,3 +132,8 @@ def test_a_spot_is_looked_for_inside_its_cell_only() -> None:
     (found,) = spots(comparison, time_s, residual, where, np.ones(4000, bool))
     assert found.span_s[0] <= time_s[3000]
     assert found.span_s[1] >= time_s[3049]
+
+
+def test_what_is_rounded_up_has_no_digit_more() -> None:
+    assert with_error(9.996, 0.0996, "N") == "10.00 ± 0.10 N"
+    assert span(0.1, 9.996, "s") == "0.1 to 10.0 s"

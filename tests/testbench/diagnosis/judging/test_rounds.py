@@ -33,7 +33,7 @@ def entry(mechanism: str, floors: float, log_z: float) -> Entry:
 
 def a_round(before: Entry, *entries: Entry, so_far: Mapping[str, float] | None = None) -> Round:
     likelihood = Likelihood(SimpleNamespace(), np.arange(10), {}, FLOOR, 1.0)  # type: ignore[arg-type]
-    return Round(before, entries, (), LAWS, likelihood, so_far or {})
+    return Round(before, likelihood, entries, (), LAWS, so_far or {})
 
 
 def if_exact(evidences: Evidences) -> dict[str, float]:
@@ -252,7 +252,7 @@ def test_a_law_that_explains_one_channel_is_named_though_the_other_lacks_much():
     found = a_round(before, after)
     assert found.verdict() == "missing"
     assert found.left(after) < 0.05
-    assert found.left_everywhere(after) == pytest.approx(0.93, abs=0.01)
+    assert found.left(after, everywhere=True) == pytest.approx(0.93, abs=0.01)
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -25,8 +27,8 @@ def rising() -> Measurement:
 def falling(channels=BOTH) -> Measurement:
     made = record(truth(), 60, 10.0, 1, channels)
     strain, noise = made.channels["displacement_mm"] / made.gauge_length_mm, np.random.default_rng(1)
-    made.channels["resistance_ohm"][:] = 1000 * np.exp(4 * strain + NOISE_LN * noise.standard_normal(len(strain)))
-    return prepare(made)
+    resistance = 1000 * np.exp(4 * strain + NOISE_LN * noise.standard_normal(len(strain)))
+    return prepare(replace(made, channels={**made.channels, "resistance_ohm": resistance}))
 
 
 def kinds(measurement):

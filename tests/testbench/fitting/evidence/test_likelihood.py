@@ -113,7 +113,7 @@ def prior_of_noise(
     left, by_law, all_of_it = (
         {c: 1e-3 * value for c, value in (one or {}).items()} for one in (floors, explained, whole)
     )
-    return likelihood.noise_log_prior(left, by_law, all_of_it)
+    return likelihood.log_odds_complete(left, by_law, all_of_it)
 
 
 def test_what_a_complete_model_leaves_is_the_noise_of_one_channel():

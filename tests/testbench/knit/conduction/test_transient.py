@@ -33,6 +33,22 @@ def test_a_transient_starts_anew_at_each_turn(tau_s: float, rise_s: float) -> No
         assert change[np.searchsorted(T, at_s)] == pytest.approx(0.1 * heading * spike, rel=1e-6)
 
 
+@pytest.mark.parametrize("rate_hz", [1000, 40, 10, 1])
+@pytest.mark.parametrize("rest_s", [0.0, 5.0])
+def test_the_first_sample_is_no_turn(rate_hz: int, rest_s: float) -> None:
+    """Where a recording begins, in motion or at rest, no transient starts; the first does where the motion turns."""
+    time_s = np.arange(0, 60 + rest_s, 1 / rate_hz)
+    strain = 0.02 * np.interp(time_s - rest_s, [0, 10, 20, 60], [0, 10, 0, 40])
+    law = ElectricalOvershootAnew(gain=0.1, tau_s=4.0, rise_s=0.5, back=0.005)
+    signals = {"strain": strain, "conductance_S": np.ones_like(strain)}
+    change = np.log(law.apply(signals, 1 / rate_hz)["conductance_S"])
+    assert not change[time_s <= 10 + rest_s].any()
+    for turned_s, at_s, heading in ((10.0, 13.0, -1), (20.0, 26.0, 1)):
+        since_s = at_s - turned_s
+        spike = 4.0 / 3.5 * (np.exp(-since_s / 4.0) - np.exp(-since_s / 0.5))
+        assert change[round((at_s + rest_s) * rate_hz)] == pytest.approx(0.1 * heading * spike, rel=1e-6)
+
+
 def test_overshoot_after_a_ramp_decays_with_its_time_constant() -> None:
     change = log_change(ElectricalOvershoot(gain=2.0, tau_s=4.0))
     peak = 2.0 * 0.02 * 4.0 * -np.expm1(-10 / 4.0)  # gain * rate * tau * (1 - e^-T/tau)
@@ -59,6 +75,18 @@ def test_a_late_way_back_begins_after_its_share_of_the_turn() -> None:
     turned = 1 - 2 * np.exp((back - 1) / 0.1)  # z of Dahl's law, from -1 (out) to 1 (back)
     np.testing.assert_allclose(at_once[2001:], 0.5 * (1 + turned), atol=1e-3)
     np.testing.assert_allclose(late[2001:], np.maximum(turned, 0.0), atol=1e-3)
+
+
+@pytest.mark.parametrize("rate_hz", [1000, 40, 10, 1])
+@pytest.mark.parametrize("late", [0.0, 0.5])
+def test_a_knit_is_not_on_the_way_back_where_a_recording_begins(rate_hz: int, late: float) -> None:
+    """At rest, on the way out, and on a way back that goes on from before: it has only just begun there."""
+    time_s = np.arange(0, 30, 1 / rate_hz)
+    out = 0.1 + 0.01 * np.maximum(time_s - 10, 0)
+    assert not on_the_way_back(out, 0.05, late).any()
+    gone = 1 - np.exp(-0.01 * time_s / 0.05)
+    back = on_the_way_back(0.4 - 0.01 * time_s, 0.05, late)
+    np.testing.assert_allclose(back, np.maximum(gone - late, 0) / (1 - late), atol=1e-12)
 
 
 @pytest.mark.parametrize(

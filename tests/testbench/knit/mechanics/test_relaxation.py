@@ -11,6 +11,7 @@ from testbench.knit.mechanics.rate_stiffening import (
     ViscousRateStiffening,
     ViscousRateStiffeningEyring,
     ViscousRateStiffeningMaxwell,
+    ViscousRateStiffeningPower,
 )
 from testbench.knit.mechanics.relaxation import (
     StressRelaxation,
@@ -133,6 +134,19 @@ def test_far_below_its_plateau_a_power_of_the_rate_is_a_linear_dashpot(speed: fl
     effect = ViscousRateStiffening(force_at_rate_N=0.5, exponent=0.4, rate0_per_s=0.02)
     force = effect.apply({"strain": speed * T, "force_N": np.zeros_like(T)}, DT_S)["force_N"]
     assert force[-1] == pytest.approx(0.5 * (speed / 0.1) * (0.02 / 0.1) ** -0.6, rel=1e-3)
+
+
+@pytest.mark.parametrize("rate_hz", [1000, 40, 10, 1])
+@pytest.mark.parametrize("rate0_per_s", [1e-5, 0.02, 0.1])
+def test_a_power_of_the_rate_is_that_of_its_formula_up_to_the_highest_plateau(rate_hz, rate0_per_s) -> None:
+    """The force at 10 %/s is `force_at_rate_N` where the plateau lies far below; at the highest one it is less."""
+    time_s = np.arange(0, 10, 1 / rate_hz)
+    signals = {"strain": 0.1 * time_s, "force_N": np.ones_like(time_s)}
+    added = ViscousRateStiffening(force_at_rate_N=0.5, exponent=0.4, rate0_per_s=rate0_per_s)
+    times = ViscousRateStiffeningPower(gain=0.5, exponent=0.4, rate0_per_s=rate0_per_s)
+    expected = 0.5 * (1 + (rate0_per_s / 0.1) ** 2) ** -0.3
+    for law in (added, times):
+        np.testing.assert_allclose(law.apply(signals, 1 / rate_hz)["force_N"], 1 + expected, rtol=1e-9)
 
 
 def test_a_maxwell_arm_approaches_the_force_of_its_dashpot_and_loses_it_within_its_time() -> None:

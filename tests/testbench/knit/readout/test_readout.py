@@ -85,13 +85,24 @@ def test_a_level_that_readings_go_beyond_is_no_rail():
     triangles = 2.0 * np.abs((T % 20.0) / 10.0 - 1.0)
     held = np.minimum(triangles, 1.8)
     beyond = np.where(0.95 * T[-1] < T, 1.5 * triangles, held)
-    rails, none = (
-        [1 / p["inverse_range_per_N"] for p in AdcSaturationForce().starts({"force_N": x}, {})]
-        for x in (held, beyond)
-    )
-    assert rails
-    assert rails == pytest.approx([1.8] * len(rails))
-    assert all(top_N > 1.9 for top_N in none)
+    rails, none = ([p["inverse_range_per_N"] for p in _starts(AdcSaturationForce, x)] for x in (held, beyond))
+    assert rails == pytest.approx([1 / 1.8] * len(rails))
+    assert none == [0.0]
+
+
+def _starts(law, values: np.ndarray) -> list[dict]:
+    return law().starts({law.writes[0]: values}, {})
+
+
+@pytest.mark.parametrize("law", [AdcSaturation, AdcSaturationHigh, AdcSaturationForce])
+@pytest.mark.parametrize("unit", [1e-9, 1e-3, 1.0, 1e3])
+def test_data_without_a_rail_have_none_in_any_unit(law, unit):
+    """A coarse grid of usual sizes would cut off all of some sensors and nothing of others."""
+    triangles = 1.0 + np.abs((T % 20.0) / 10.0 - 1.0)
+    free = triangles * (1 + 0.5 * (0.95 * T[-1] < T) - 0.5 * (0.05 * T[-1] > T))  # once beyond, at either end
+    assert _starts(law, unit * free) == [{law.strength: 0.0}]
+    cut_off = _starts(law, unit * np.clip(triangles, 1.2, 1.8))
+    assert all(point[law.strength] > 0 for point in cut_off)
 
 
 def test_creeping_reading_ends_at_its_fraction_and_zero_drift_at_its_shift() -> None:
