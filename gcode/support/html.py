@@ -25,7 +25,7 @@ def card(title: str, lines: Iterable[str] = (), *parts: str) -> str:
 
 def table(headings: Sequence[str], rows: Iterable[Iterable[object]], caption: str = "") -> str:
     """A table of text, with its caption where it has one."""
-    head = "".join(f"<th>{escape(word)}</th>" for word in headings)
+    head = "".join(f'<th scope="col">{escape(word)}</th>' for word in headings)
     body = "".join(f"<tr>{''.join(f'<td>{escape(str(cell))}</td>' for cell in row)}</tr>" for row in rows)
     above = f"<caption>{escape(caption)}</caption>" if caption else ""
     return f"<table>{above}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from testbench.comparing.numbers import over_noise, plain
-from testbench.knit.model import KnitModel
 from testbench.recordings.manifest import CSV
 from testbench.recordings.recording import Recording
 from testbench.report import words
@@ -24,7 +23,6 @@ from testbench.report.figures import (
 )
 from testbench.report.figures.comparison_figures import Overlay
 from testbench.report.figures.ladder_figures import Step
-from testbench.report.parameter_table import parameter_table
 from testbench.report.words import PANEL_UNITS
 from testbench.report.worst_places import beyond_noise, why_no_place
 
@@ -44,8 +42,7 @@ def recording_section(recording: Recording, title: str, key: str, resistance: bo
         items.append(Picture(f"{key}-loops", loops, recording_figures.loops_caption(recording)))
     shares = recording_figures.distributions(recording, resistance)
     if shares:
-        caption = "How often each value occurred; the speed is taken at 20 Hz."
-        items.append(Picture(f"{key}-distributions", shares, caption))
+        items.append(Picture(f"{key}-distributions", shares, recording_figures.distributions_caption(recording)))
     return Section(title, items)
 
 
@@ -70,15 +67,14 @@ def comparison_section(both: Overlay, comparison: Mapping[str, Any], maps: Mappi
         items.append(Table(("", "Where it fails, the worst first", "Share of the squared error"), rows))
     else:
         items.append(why_no_place(comparison["channels"]))
-    caption = "Measured and modelled, and the residual under each; the grey band is twice the noise floor."
-    items.append(Picture("comparison-time", comparison_figures.overlay(both), caption))
+    over_time = comparison_figures.overlay(both)
+    items.append(Picture("comparison-time", over_time, comparison_figures.OVERLAY_CAPTION))
     items.append(Picture("comparison-loops", comparison_figures.modelled_loops(both), "The same as loops."))
     caption = "Residual over strain and strain rate: orange where the model is too low, blue where it is too high."
     items.append(Picture("comparison-map", residual_figures.heat_maps(both), caption))
     for channel in both.measured:
-        caption = f"Mean residual of the {channel} over each coordinate, with two standard errors."
         figure = residual_figures.profiles(maps[channel], channel)
-        items.append(Picture(f"comparison-{channel}", figure, caption))
+        items.append(Picture(f"comparison-{channel}", figure, residual_figures.profiles_caption(channel)))
     return Section("Where the model fails", items)
 
 
@@ -107,13 +103,10 @@ def ladder_section(steps: Sequence[Step], zero: str = "") -> Section:
     floor = ", ".join(
         f"{channel} {plain(value, 2)} {PANEL_UNITS[channel]}" for channel, value in steps[-1].noise_floor.items()
     )
-    caption = (
-        "Held-out error after each step; the dashed line is the noise floor, below which nothing is left to explain."
-    )
     return Section(
         "The error ladder",
         [
-            Picture("ladder", ladder_figures.ladder(steps), caption),
+            Picture("ladder", ladder_figures.ladder(steps), ladder_figures.LADDER_CAPTION),
             *words.ladder_notes(step.label for step in steps),
             Table(head, rows, f"Noise floor: {floor}."),
             *((zero,) if zero else ()),
@@ -127,12 +120,6 @@ def fall_in_words(first: Step, last: Step) -> str:
         return ""
     falls = [(channel, 1 - last.errors[channel] / error) for channel, error in first.errors.items() if error > 0]
     return ", ".join(f"{channel} {-100 * fall:+.0f} %" for channel, fall in falls)
-
-
-def parameters_section(fit: Mapping[str, Any], model: KnitModel) -> Section | None:
-    """Fitted parameters with standard errors, allowed ranges and doubts; shape weights are counted, not listed."""
-    table = parameter_table(fit, model)
-    return Section("The model's parameters", [table]) if table else None
 
 
 _SCORE_HEAD = ("Recording", "", "r² raw", "best line", "r² after", "95 %", "Gain")
@@ -154,12 +141,8 @@ def compensator_section(score: Mapping[str, Any]) -> Section:
     shown = next((row for row in rows if row["role"] == "held-out"), rows[0])
     items: list[Item] = [table]
     if len(rows) > 1:
-        caption = (
-            "r² before and after, with the 95 % interval from a bootstrap over blocks of up to 60 s; dotted: the "
-            "means that the paper reports for its two knits."
-        )
         figure = compensator_figures.before_and_after(rows, names, target)
-        items.append(Picture("compensator-scores", figure, caption))
+        items.append(Picture("compensator-scores", figure, compensator_figures.BEFORE_AND_AFTER_CAPTION))
     caption = (
         f"{short_name(shown['source'])} ({shown['role']}): {symbol} as measured, G rescaled to it, and p made from G "
         f"alone; below, {compensator_figures.ends_in_words(shown)}."
@@ -213,11 +196,8 @@ def diagnosis_section(diagnosis: Mapping[str, Any], title: str = "What is missin
     items += [base] if base else []
     if diagnosis["ranking"]:
         items.append(candidates_table(diagnosis))
-        caption = (
-            "What a refit with each effect takes off the held-out error, with the 95 % interval over blocks of up to "
-            "60 s. In brackets: how probable it is that this effect is what is missing most."
-        )
-        items.append(Picture(f"candidates{tail}", diagnosis_figures.candidates(diagnosis), caption))
+        figure = diagnosis_figures.candidates(diagnosis)
+        items.append(Picture(f"candidates{tail}", figure, diagnosis_figures.CANDIDATES_CAPTION))
     depends = diagnosis_figures.dependence(diagnosis)
     if depends:
         caption = "What the residual of the final model still depends on."

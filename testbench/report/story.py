@@ -12,12 +12,12 @@ from testbench.comparing.numbers import plain
 from testbench.comparing.remounting import remounted
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.measurements.measurement import Measurement
-from testbench.recordings.recording import Recording
 from testbench.report import sections, words
 from testbench.report.document import Facts, Item, Picture, Section
 from testbench.report.figures import ladder_figures
 from testbench.report.figures.comparison_figures import Overlay, busiest_window
 from testbench.report.figures.ladder_figures import Step
+from testbench.report.inputs import Inputs
 from testbench.report.overlays import (
     failings_of,
     models_of,
@@ -26,6 +26,7 @@ from testbench.report.overlays import (
     steps_of,
     zero_in_words,
 )
+from testbench.report.parameter_table import parameter_table
 from testbench.report.words import PANEL_UNITS
 from testbench.results.model_file import ModelFile, check_same_set_up
 
@@ -39,6 +40,11 @@ class Story:
     Attributes
     ----------
     file : ModelFile
+        The model that the user keeps, or a diagnosis's own.
+    catalogue : Catalogue
+        Effects of all models of the ladder.
+    diagnoses : tuple of mapping
+        JSON of ``testbench diagnose``, the oldest first.
     steps : list of Step
     judged : Measurement or None
         The held-out samples, where a recording was given.
@@ -50,48 +56,42 @@ class Story:
 
     file: ModelFile
     catalogue: Catalogue
+    diagnoses: tuple[Mapping[str, Any], ...]
     steps: list[Step]
     judged: Measurement | None
-    from_file: bool = True
-    resistance: bool = False
+    from_file: bool
+    resistance: bool
 
     @classmethod
-    def of(
-        cls,
-        model: ModelFile | None,
-        name: str,
-        diagnosis: Mapping[str, Any] | None,
-        catalogue: Catalogue,
-        recordings: Sequence[Recording],
-        held_out: Recording | None,
-        resistance: bool = False,
-    ) -> Story:
-        """From a model that errors call `name`, or from a diagnosis's own before and after.
+    def of(cls, given: Inputs) -> Story:
+        """From the model of a report, or from the last diagnosis's own before and after.
 
         Raises
         ------
         UserError
             If the model was fitted on another set-up.
         """
-        file = model or _file_of(diagnosis or {}, catalogue)
-        judged = None
-        if recordings:
-            for recording in (recordings[0], *([held_out] if held_out else [])):
-                check_same_set_up(file, recording, name if model else "diagnosis")
-            judged = held_samples(file, recordings[0], held_out)
-        in_kohm = resistance and judged is not None
-        steps = steps_in_resistance(file, catalogue, judged) if in_kohm and judged else steps_of(file.history)
-        return cls(file, catalogue, steps, judged, model is not None, resistance)
+        file = given.model or _file_of(given.diagnoses[-1], given.catalogue)
+        steps, judged = steps_of(file.history), None
+        if given.recordings:
+            first, other = given.recordings[0], given.held_out
+            for recording in (first, *([other] if other else [])):
+                check_same_set_up(file, recording, given.model_name if given.model else "diagnosis")
+            judged = held_samples(file, first, other)
+            if given.resistance:
+                steps = steps_in_resistance(file, given.catalogue, judged)
+        return cls(file, given.catalogue, given.diagnoses, steps, judged, given.model is not None, given.resistance)
 
-    def verdict(self, diagnosis: Mapping[str, Any] | None = None) -> str:
+    def verdict(self) -> str:
         """The one sentence, or two: what was gained so far, and what a diagnosis that is still open says."""
-        asked = words.verdict_in_words(diagnosis) if diagnosis else ""
+        last = self.diagnoses[-1] if self.diagnoses else None
+        asked = words.verdict_in_words(last) if last else ""
         if len(self.steps) < 2 or not self.from_file:
             return asked or "One model, fitted; no effect has been added yet."
-        first, last = self.steps[0], self.steps[-1]
+        first, now = self.steps[0], self.steps[-1]
         added = ", ".join(words.spoken(step.label.removeprefix("+ ")) for step in self.steps[1:])
-        gained = f"With {added} {words.error_fall(first.errors, last.errors)}."
-        return f"{gained} {asked}".strip() if diagnosis and not self.has_taken(diagnosis) else gained
+        gained = f"With {added} {words.error_fall(first.errors, now.errors)}."
+        return f"{gained} {asked}".strip() if last and not self.has_taken(last) else gained
 
     def has_taken(self, diagnosis: Mapping[str, Any]) -> bool:
         """Whether what a diagnosis found is in the model."""
@@ -106,30 +106,26 @@ class Story:
         if self.judged:
             inside = self._seen(overlay_of(self.judged, models_of(self.file, self.catalogue), free_offset=True))
             figure = ladder_figures.at_a_glance(inside, self.steps, busiest_window(inside, GLANCE_S))
-            caption = (
-                "Left: a minute of held-out samples, where the first model is worst. "
-                "Right: the held-out error after each step, and the noise floor."
-            )
-            items.append(Picture("at-a-glance", figure, caption))
+            items.append(Picture("at-a-glance", figure, ladder_figures.GLANCE_CAPTION))
         return items
 
-    def parts(self, diagnoses: Sequence[Mapping[str, Any]]) -> list[Section]:
+    def parts(self) -> list[Section]:
         """Diagnoses, ladder, what is still wrong, parameters."""
-        found = [self._asked(number, one, len(diagnoses)) for number, one in enumerate(diagnoses, 1)]
+        found = [self._asked(number, one) for number, one in enumerate(self.diagnoses, 1)]
         if self.steps:
             found.append(sections.ladder_section(self.steps, zero_in_words(self.file)))
         if self.judged:
             found.append(self._comparison(self.judged))
-        parameters = sections.parameters_section(self.file.fit, self.file.model)
-        return [*found, *([parameters] if parameters else [])]
+        parameters = parameter_table(self.file.fit, self.file.model)
+        return [*found, *([Section("The model's parameters", [parameters])] if parameters else [])]
 
-    def _asked(self, number: int, diagnosis: Mapping[str, Any], count: int) -> Section:
+    def _asked(self, number: int, diagnosis: Mapping[str, Any]) -> Section:
         """A diagnosis: an open question, or why a step was taken."""
         if self.from_file and self.has_taken(diagnosis):
             first = diagnosis["ranking"][0]["effect"] if diagnosis["verdict"] == "missing" else "another law"
             title = f"Why {words.spoken(first)} was added"
         else:
-            title = "What is missing" if count == 1 else "What is missing now"
+            title = "What is missing" if len(self.diagnoses) == 1 else "What is missing now"
         return sections.diagnosis_section(diagnosis, title, "" if number == 1 else f"-{number}")
 
     def _comparison(self, judged: Measurement) -> Section:

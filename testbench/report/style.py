@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -63,29 +64,50 @@ def figure(data: list[dict[str, Any]], *, height: int, **layout: Any) -> Figure:
     return {"data": data, "layout": {**base, **layout}}
 
 
-def stacked_axes(titles: list[str], x_title: str) -> dict[str, Any]:
+def stacked_axes(
+    titles: Sequence[str], x_title: str, heights: Sequence[float] = (), gap: float = 0.05
+) -> dict[str, Any]:
     """Axes of rows that share one horizontal axis, top row first: zooming in one zooms all.
+
+    Parameters
+    ----------
+    titles : sequence of str
+    x_title : str
+    heights : sequence of float, optional
+        How tall each row is beside the others; default: all alike.
+    gap : float
+        Between two rows, as a share of the whole.
 
     Returns
     -------
     dict
         ``xaxis``, ``yaxis``, ``yaxis2``, ...: trace number i goes to ``"x"`` and `y_ref(i)`.
     """
-    axes = {
-        axis_key("yaxis", row): axis(title, domain=domain, anchor="x")
-        for row, (title, domain) in enumerate(zip(titles, rows(len(titles), 0.05), strict=True))
-    }
+    heights = heights or [1.0] * len(titles)
+    unit = (1 - gap * (len(titles) - 1)) / (sum(heights) or 1.0)
+    axes, top = {}, 1.0
+    for row, (title, height) in enumerate(zip(titles, heights, strict=True)):
+        low = max(top - height * unit, 0.0)
+        axes[axis_key("yaxis", row)] = axis(title, domain=[low, top], anchor="x")
+        top = low - gap
     axes["xaxis"] = axis(x_title, anchor=y_ref(len(titles) - 1))
     return axes
 
 
 def side_by_side_axes(panels: list[tuple[str, str]], gap: float = 0.09) -> dict[str, Any]:
     """Axes of panels in one row, each ``(x title, y title)``; trace number i goes to `x_ref(i)`, `y_ref(i)`."""
-    axes = {}
+    axes: dict[str, Any] = {}
     for column, ((x_title, y_title), domain) in enumerate(zip(panels, parts(len(panels), gap), strict=True)):
-        axes[axis_key("xaxis", column)] = axis(x_title, domain=domain, anchor=y_ref(column))
-        axes[axis_key("yaxis", column)] = axis(y_title, anchor=x_ref(column))
+        axes |= panel(column, axis(x_title, domain=domain), axis(y_title))
     return axes
+
+
+def panel(index: int, x: dict[str, Any], y: dict[str, Any]) -> dict[str, Any]:
+    """The two axes of panel number `index`, each tied to the other."""
+    return {
+        axis_key("xaxis", index): x | {"anchor": y_ref(index)},
+        axis_key("yaxis", index): y | {"anchor": x_ref(index)},
+    }
 
 
 def parts(count: int, gap: float, whole: float = 1.0) -> list[list[float]]:
@@ -122,6 +144,12 @@ def place(index: int) -> dict[str, str]:
 def curve(x: Any, y: Any, colour: str, index: int = 0, width: float = 1.3, **more: Any) -> dict[str, Any]:
     """A line through points in panel number `index`."""
     look = {"type": "scatter", "mode": "lines", "line": {"color": colour, "width": width}}
+    return {**look, "x": x, "y": y, **place(index), **more}
+
+
+def dots(x: Any, y: Any, colour: str, index: int = 0, size: float = 6, **more: Any) -> dict[str, Any]:
+    """Points in panel number `index`; with ``mode="lines+markers"`` joined by lines."""
+    look = {"type": "scatter", "mode": "markers", "marker": {"size": size, "color": colour}}
     return {**look, "x": x, "y": y, **place(index), **more}
 
 

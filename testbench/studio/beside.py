@@ -14,9 +14,11 @@ from testbench.knit.catalogue import model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.report.document import Table
 from testbench.report.parameter_table import doubts, parameter_name
-from testbench.results.model_file import about_model
+from testbench.results.model_file import about_model, load_model_file
 from testbench.studio import models
 from testbench.studio.studio import Studio
+
+IN_BRACKETS = "± is one standard error; a value in brackets is doubtful."
 
 
 @dataclass(frozen=True)
@@ -60,8 +62,6 @@ def beside_of(studio: Studio, c: str, wanted: str) -> Beside:
     UserError
         If there is none.
     """
-    from testbench.results.model_file import load_model_file
-
     known = beside_choices(studio, c)
     if wanted not in known:
         raise UserError(
@@ -80,12 +80,16 @@ def beside_of(studio: Studio, c: str, wanted: str) -> Beside:
 
 def side_by_side(first: Beside, label: str, model: KnitModel, fit: Mapping[str, Any]) -> Table:
     """Parameters of two models, one a column; a value that should be doubted stands in brackets."""
-    addresses = dict.fromkeys(key for one in (first.fit, fit) for key in one.get("parameters", {}) if "[" not in key)
     rows = [
         (parameter_name(key), value_in_words(first.model, first.fit, key, fit), value_in_words(model, fit, key, fit))
-        for key in addresses
+        for key in parameters_of(first.fit, fit)
     ]
-    return Table(("Parameter", first.label, label), rows, "± is one standard error; a value in brackets is doubtful.")
+    return Table(("Parameter", first.label, label), rows, IN_BRACKETS)
+
+
+def parameters_of(*fits: Mapping[str, Any]) -> list[str]:
+    """The parameters that any of the fits has, each once, without the weights of shapes."""
+    return list(dict.fromkeys(key for fit in fits for key in fit.get("parameters", {}) if "[" not in key))
 
 
 def value_in_words(model: KnitModel, fit: Mapping[str, Any], key: str, other: Mapping[str, Any]) -> str:

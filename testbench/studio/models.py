@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import shlex
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -11,22 +10,19 @@ from typing import Any
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from gcode.support.files import copy_file, make_folder, write_json
+from gcode.support.files import make_folder, write_json
 from testbench.comparing.words import listed, spoken
 from testbench.recordings.manifest import CSV
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import about_model, same_source
 from testbench.results.result_files import read_diagnosis
 from testbench.studio.freshness import made_of
-from testbench.studio.jobs.job import Commands, Job, State
-from testbench.studio.parts.fields import check, number_field, typed
-from testbench.studio.parts.job_card import job_card
-from testbench.studio.parts.widgets import aside, attempt, subheading, trouble, way_on
+from testbench.studio.jobs.job import Commands
+from testbench.studio.parts.starting import run_in_turn
 from testbench.studio.studio import Studio
 
 LAST_THIRD = "the last third of this recording"
-PLAY = "Play of the clamps / mm"
-BEFORE = "model-before.json"
+BEFORE = "model-before.json"  # the one before the last baseline
 LADDER = "ladder"  # in a kept diagnosis: the step that it was made of, and the name of the one that it led to
 Steps = Sequence[Mapping[str, Any]]
 ASKING = ("diagnose", "propose")  # jobs that look at a model, and whose answer is about that very one
@@ -86,6 +82,12 @@ def held_out_of(studio: Studio, c: str) -> str:
     return LAST_THIRD
 
 
+def judged_on(studio: Studio, c: str) -> str:
+    """The campaign whose recording the model of `c` is judged on: another, or `c` with its last third."""
+    held = held_out_of(studio, c)
+    return c if held == LAST_THIRD else held
+
+
 def held_out_arguments(studio: Studio, held: str) -> list[str]:
     """``--held-out FOLDER``, or nothing for the last third."""
     return [] if held == LAST_THIRD else ["--held-out", str(studio.workspace.campaign(held).folder)]
@@ -115,12 +117,6 @@ def diagnosed_path(studio: Studio, c: str) -> Path:
     return studio.workspace.results(c) / "diagnosed.json"
 
 
-def steps_in(studio: Studio, c: str) -> int:
-    """How many steps the ladder of a campaign has."""
-    path = model_path(studio, c)
-    return len(about_model(path).get("history", ())) if path.is_file() else 0
-
-
 def laws_in(studio: Studio, c: str) -> set[str]:
     """The laws that the model of a campaign has, by their names in the catalogue."""
     return {one["effect"] for one in about_model(model_path(studio, c))["history"][-1]["model"]["effects"]}
@@ -140,16 +136,6 @@ def why_unusable(studio: Studio, c: str) -> str:
     except UserError as error:
         return str(error)
     return ""
-
-
-async def refit_instead(studio: Studio, c: str) -> bool:
-    """Whether the model of a campaign cannot be used; why is said then, and a baseline anew is offered."""
-    why = await aside(why_unusable, studio, c)
-    if why:
-        trouble(why, "Bring back what is gone, or fit the baseline anew.")
-        way_on("Own effects", "functions", "/effects", "outline")
-        add_fit_form(studio, c, again=True)
-    return bool(why)
 
 
 def step_diagnosis(studio: Studio, c: str, step: int) -> Path:
@@ -267,13 +253,6 @@ def undo_command(studio: Studio, c: str) -> tuple[str, list[str]]:
     return "Taking the last step back", [*argv, "-o", model]
 
 
-def run_in_turn(studio: Studio, key: str, commands: Commands, holder: ui.column, done: Callable[[], None]) -> None:
-    """Run commands one after the other, each with its card; `done` when the last has ended well."""
-    studio.make_results(key)
-    (title, argv), *rest = commands
-    _show(studio, studio.jobs.start(key, title, argv, rest), holder, done)
-
-
 def change_model(studio: Studio, c: str, commands: Commands, holder: ui.column, done: Callable[[], None]) -> None:
     """Run commands that change the model of a campaign; see `run_in_turn`.
 
@@ -284,70 +263,3 @@ def change_model(studio: Studio, c: str, commands: Commands, holder: ui.column, 
     """
     refuse_while_asked(studio, c)
     run_in_turn(studio, f"model:{c}", commands, holder, done)
-
-
-def join_running(studio: Studio, key: str, holder: ui.column, done: Callable[[], None]) -> None:
-    """Show a job that another tab, or an earlier visit, has started."""
-    if running := studio.jobs.under_way(key):
-        _show(studio, running, holder, done)
-
-
-def _show(studio: Studio, job: Job, holder: ui.column, done: Callable[[], None]) -> None:
-    """A job's card, and the cards of what follows it."""
-
-    def ended(finished: Job) -> None:
-        if finished.followed_by:
-            _show(studio, finished.followed_by, holder, done)
-        elif finished.state is State.DONE:
-            done()
-
-    holder.clear()
-    with holder:
-        job_card(studio, job, ended)
-
-
-def add_fit_form(studio: Studio, c: str, again: bool = False) -> None:
-    """Offer to fit the baseline; build the page anew when it is done.
-
-    `again`: in place of a model that is there, which is kept beside it as ``model-before.json``.
-    """
-    studio.workspace.campaign(c)
-    with ui.column().classes("card gap-3"):
-        under = (
-            "Elasticity, hysteresis, contact and drift are fitted to this recording; errors are judged on samples "
-            "that the fit does not see."
-        )
-        more = f" It takes the place of the model and its ladder, which are kept as {BEFORE}."
-        subheading("The baseline anew" if again else "First, a baseline", under + (more if again else ""))
-        choices = held_out_choices(studio, c)
-        value = choices[0]
-        with contextlib.suppress(UserError):
-            value = held_out_of(studio, c) if again else value
-        with ui.row().classes("items-start"):
-            held = ui.select(choices, value=value, label="Held out")
-            held.props("outlined dense").style("min-width:min(300px, 84vw)")
-            play = number_field(PLAY, None, positive=False, optional=True).props('hint="empty: not clamped anew"')
-            play.style("width:240px")  # its label is long
-            play.tooltip("where the sensor was clamped anew: by how much the zero of its displacement may have moved")
-            play.bind_visibility_from(held, "value", backward=lambda value: value != LAST_THIRD)
-        holder = ui.column().classes("w-full")
-
-        def start() -> None:
-            check(play)
-            refuse_while_asked(studio, c)
-            if has_model(studio, c):  # also where this tab does not know of it yet
-                copy_file(model_path(studio, c), model_path(studio, c).with_name(BEFORE))
-            argv = _fit_command(studio, c, str(held.value), typed(play) if play.value else "")
-            change_model(studio, c, [(f"Fitting the baseline to {c}", argv)], holder, ui.navigate.reload)
-
-        words = "Fit the baseline anew" if again else "Fit the baseline"
-        button = ui.button(words, icon="tune", on_click=lambda: attempt(start))
-        button.props("outline" if again else "unelevated")
-        join_running(studio, f"model:{c}", holder, ui.navigate.reload)
-
-
-def _fit_command(studio: Studio, c: str, held_out: str, play_mm: str) -> list[str]:
-    argv = ["testbench", "fit", str(studio.workspace.campaign(c).folder)]
-    argv += held_out_arguments(studio, held_out) + studio.effects_arguments()
-    argv += ["--clamp-play-mm", play_mm] if play_mm and held_out != LAST_THIRD else []
-    return [*argv, "-o", str(model_path(studio, c))]

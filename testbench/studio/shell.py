@@ -29,34 +29,34 @@ from testbench.studio.pages.campaign import (
     recording,
 )
 from testbench.studio.parts.picture import load_plotly
-from testbench.studio.parts.running_jobs import running_now
+from testbench.studio.parts.running_jobs import RunningNow
 from testbench.studio.parts.widgets import invitation, way_on
 from testbench.studio.studio import Studio
 
-NAVIGATION = (
-    ("/", "grid_view", "Campaigns"),
-    ("/import", "upload_file", "Import a file"),
-    ("/plan", "timeline", "Plan and run"),
-    ("/record", "sensors", "Record"),
-    ("/investigation", "travel_explore", "Investigations"),
-    ("/effects", "functions", "Own effects"),
-)
-PAGES: dict[str, Callable] = {
-    "/": campaigns.page,
-    "/side": side.page,
-    "/import": importing.page,
-    "/plan": plan.page,
-    "/record": record.page,
-    "/effects": effects.page,
-    "/recording": recording.page,
-    "/align": align.page,
-    "/compare": compare.page,
-    "/missing": missing.page,
-    "/experiment": experiment.page,
-    "/investigation": investigation.page,
-    "/propose": propose.page,
-    "/ladder": ladder.page,
-    "/compensate": compensate.page,
+PAGES: dict[str, tuple[str, Callable]] = {
+    "/": ("Campaigns", campaigns.page),
+    "/import": ("Import a file", importing.page),
+    "/plan": ("Plan and run", plan.page),
+    "/record": ("Record", record.page),
+    "/investigation": ("Investigations", investigation.page),
+    "/effects": ("Own effects", effects.page),
+    "/side": ("Side by side", side.page),
+    "/recording": ("Recording", recording.page),
+    "/align": ("Plan and recording", align.page),
+    "/compare": ("Compare", compare.page),
+    "/missing": ("Missing effect", missing.page),
+    "/experiment": ("Experiment", experiment.page),
+    "/propose": ("Propose a law", propose.page),
+    "/ladder": ("Error ladder", ladder.page),
+    "/compensate": ("Compensate", compensate.page),
+}
+NAVIGATION = {
+    "/": "grid_view",
+    "/import": "upload_file",
+    "/plan": "timeline",
+    "/record": "sensors",
+    "/investigation": "travel_explore",
+    "/effects": "functions",
 }
 # Two rows of knit stitches: the face side of a plain jersey, drawn as the V that everybody knows.
 LOGO = (
@@ -76,7 +76,7 @@ def frame(studio: Studio) -> None:
         with ui.element("aside").classes("side"):
             _side(studio)
         with ui.element("div").classes("w-full").style("min-width:0"):
-            _Pages(dict(PAGES), data={"studio": studio}).classes("w-full")
+            _Pages({path: page for path, (_, page) in PAGES.items()}, data={"studio": studio}).classes("w-full")
 
 
 class _Pages(ui.sub_pages):
@@ -90,23 +90,11 @@ class _Pages(ui.sub_pages):
             way_on("Campaigns", "grid_view", "/")
 
 
-TITLES = {
-    "/side": "Side by side",
-    "/recording": "Recording",
-    "/align": "Plan and recording",
-    "/compare": "Compare",
-    "/missing": "Missing effect",
-    "/experiment": "Experiment",
-    "/propose": "Propose a law",
-    "/ladder": "Error ladder",
-    "/compensate": "Compensate",
-} | {path: title for path, _, title in NAVIGATION}
-
-
 def title_of(path: str, query: str) -> str:
     """What the browser's tab says: the page, and the campaign that it is about."""
     about = parse_qs(query).get("c", [""])[0]
-    return " · ".join(part for part in (about, TITLES.get(path, ""), "knitbench") if part)
+    title = PAGES[path][0] if path in PAGES else ""
+    return " · ".join(part for part in (about, title, "knitbench") if part)
 
 
 def _side(studio: Studio) -> None:
@@ -115,10 +103,10 @@ def _side(studio: Studio) -> None:
         ui.label("knitbench").classes("brand")
     links: dict[str, ui.link] = {}
     with ui.element("nav").classes("nav").props("aria-label='Main'"):
-        for path, icon, title in NAVIGATION:
+        for path, icon in NAVIGATION.items():
             with ui.link(target=path) as links[path]:
                 ui.icon(icon, size="20px")
-                ui.label(title)
+                ui.label(PAGES[path][0])
 
     def mark(address: str) -> None:
         here, _, query = address.partition("?")
@@ -126,7 +114,7 @@ def _side(studio: Studio) -> None:
         for path, link in links.items():
             link.classes(add="here" if path == here else "", remove="" if path == here else "here")
 
-    running_now(studio)
+    RunningNow(studio)
     router = ui.context.client.sub_pages_router
     mark(router.current_path)
     router.on_path_changed(mark)

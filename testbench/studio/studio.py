@@ -13,10 +13,11 @@ from gcode.support.disk import append
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
 from gcode.support.strict import read_text
+from testbench.studio.deleted import Deleted
 from testbench.studio.jobs.job import Job
 from testbench.studio.jobs.jobs import JobBoard
 from testbench.studio.memory import Memory
-from testbench.studio.notes import Note, Notes
+from testbench.studio.notes import Notes
 from testbench.studio.workspace import Workspace
 from testbench.trust import is_trusted, trust
 
@@ -31,8 +32,8 @@ PACES = "paces.json"
 RESULTS_URL = "/files"  # below it, the server hands out what was made from the campaigns
 KEPT_SKETCHES = 2000
 COMMANDS = "commands.txt"
-LOGGED = (KEY_RECORDING, "run", "import", "align", "model", "diagnose", "experiment", "propose", "train", "score")
-WITH_TARGET = ("train", "score", "export")
+LOGGED = (KEY_RECORDING, "run", "import", "align", "model", "diagnose", "experiment", "propose", "train")
+WITH_TARGET = ("train", "export")
 MOST_EFFECTS_BYTES = 1 << 20
 POINTER = "effects-file.txt"  # below results; one line, the path of the file with own effects
 
@@ -59,23 +60,8 @@ class Studio:
         self.memory = Memory()
         self.sketches = Memory(KEPT_SKETCHES)
         self.notes = Notes(self.workspace.kept())
+        self.deleted = Deleted(self.workspace, self.notes)
         self.jobs.listeners.append(self._log)
-
-    def delete(self, name: str) -> Path:
-        """Move a campaign, its note and what was made from it out of sight; where they are now."""
-        note, place = self.notes.of(name), self.workspace.delete(name)
-        if note != Note():
-            Notes(place).put(name, note)
-            self.notes.put(name, Note())
-        return place
-
-    def restore(self, place: Path) -> str:
-        """Bring a deleted campaign back with its note; its name."""
-        comes_back, note = (place / "campaign").is_dir(), Notes(place).all()
-        name = self.workspace.restore(place)
-        if comes_back:
-            self.notes.put(name, note.get(name, Note()))
-        return name
 
     def commands_path(self, name: str) -> Path:
         """The command lines that have been run for a campaign, one a line with its time."""

@@ -13,8 +13,7 @@ from threading import Lock
 from typing import Any
 
 from gcode.support.errors import UserError
-from gcode.support.files import make_folder, write_text
-from gcode.support.strict import read_json, read_text
+from gcode.support.strict import read_json
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import CSV, MOST_BYTES
 from testbench.recordings.manifest import NAME as MANIFEST
@@ -25,13 +24,13 @@ from testbench.studio.notes import FILE as NOTES
 RESULTS = "results"
 DELETED = "deleted"  # below results; until they are restored
 DELETED_AT = "%Y%m%d-%H%M%S-"
-OWN = (RESULTS, DELETED, "running", "rig", "programs", NOTES, "paces.json", "effects-file.txt", "effects.py")
+PROGRAMS = "programs"
+OWN = (RESULTS, DELETED, "running", "rig", PROGRAMS, NOTES, "paces.json", "effects-file.txt", "effects.py")
 MAX_DEPTH = 4
 MOST_PART_BYTES = 255
 MADE = {"model.json": "fitted", "diagnosis.json": "diagnosed"}
 KEPT_RECORDINGS = 4  # 23 min take about 2 MB; hours of recording some 100 MB
 KEPT_VERDICTS = 1000
-MOST_NAME_BYTES = 4096
 
 
 @dataclass(frozen=True)
@@ -131,6 +130,10 @@ class Workspace:
             raise UserError(f"no campaign {name!r} in {self.root}; the list of campaigns shows what is there")
         return self._described(str(folder), made)
 
+    def program(self, name: str = "") -> Path:
+        """The folder that a planned program is written to; without a name, the one of all."""
+        return self.root / PROGRAMS / name
+
     def name_of(self, folder: Path) -> str:
         """The name of the campaign in a folder of the workspace, whether it is there yet or not."""
         return folder.relative_to(self.root).as_posix()
@@ -182,57 +185,6 @@ class Workspace:
                     found[entry.name] = _made_in(entry.path)
         return found
 
-    def delete(self, name: str) -> Path:
-        """Move a campaign, and what was made from it, out of sight; `restore` brings both back.
-
-        Returns
-        -------
-        Path
-            Where both are now.
-        """
-        folder = self.campaign(name).folder
-        plain = results_name(name)
-        place = make_folder(self.kept(DELETED, f"{time.strftime(DELETED_AT)}{plain}"))
-        write_text(place / "name.txt", f"{name}\n")
-        made = self.root / RESULTS / plain
-        if made.is_dir():
-            made.replace(place / "results")
-        folder.replace(place / "campaign")
-        return place
-
-    def deleted(self) -> list[tuple[str, Path]]:
-        """Deleted campaigns by name, the last first, and where they are now."""
-        places = sorted((self.root / RESULTS / DELETED).glob("*/name.txt"), reverse=True)
-        return [(read_text(path, "name", MOST_NAME_BYTES).strip(), path.parent) for path in places]
-
-    def restore(self, place: Path) -> str:
-        """Bring a deleted campaign back; its name.
-
-        Where other results have been made since, the old ones stay in `place` and can be restored once those are
-        gone.
-
-        Raises
-        ------
-        UserError
-            If its name has been taken since, or its results have and it has come back already.
-        """
-        name = read_text(place / "name.txt", "name", MOST_NAME_BYTES).strip()
-        alone = not (place / "campaign").is_dir()  # it came back before
-        if not alone:
-            folder = self._free(name)
-            make_folder(folder.parent)
-            (place / "campaign").replace(folder)
-        if (place / "results").is_dir():
-            with contextlib.suppress(OSError):  # taken by other results; an empty folder is replaced
-                (place / "results").replace(self.results(name))
-        if not (place / "results").is_dir():
-            for file in ("name.txt", NOTES):
-                (place / file).unlink(missing_ok=True)
-            place.rmdir()
-        elif alone:
-            raise UserError(f"{name} has other results now: move {self.results(name)} away to have the old ones back")
-        return name
-
     def free_name(self, wanted: str) -> Path:
         """A folder below the root for a new campaign.
 
@@ -241,7 +193,7 @@ class Workspace:
         UserError
             If the name is empty, taken, points out of the workspace, or would not be found or kept there.
         """
-        folder = self._free(wanted)
+        folder = self.untaken(wanted)
         for parent in folder.parents:
             if parent != self.root and parent.is_relative_to(self.root) and (parent / MANIFEST).is_file():
                 raise UserError(
@@ -251,7 +203,14 @@ class Workspace:
             raise UserError(f"{wanted}: {why}; choose another name")
         return folder
 
-    def _free(self, wanted: str) -> Path:
+    def untaken(self, wanted: str) -> Path:
+        """The folder below the root that a campaign of this name would have.
+
+        Raises
+        ------
+        UserError
+            If the name is empty, taken, or points out of the workspace.
+        """
         folder = self._inside(wanted.strip())
         if not wanted.strip() or folder is None:
             raise UserError(f"a campaign needs a name that is a folder inside {self.root}, got {wanted!r}")

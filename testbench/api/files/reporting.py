@@ -12,8 +12,9 @@ from gcode.support.html import card
 from testbench.api.arguments import AnyModel, Effects, Source, as_recording, catalogue_of, model_file_of
 from testbench.api.missing.diagnosing import DiagnosisResult, diagnosis_data
 from testbench.recordings.recording import Recording
-from testbench.report.build import Inputs, build_report
+from testbench.report.build import build_report
 from testbench.report.document import Report
+from testbench.report.inputs import Inputs
 from testbench.report.writing.write import write_report
 from testbench.results.result_files import read_score
 

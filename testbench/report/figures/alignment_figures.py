@@ -29,10 +29,9 @@ def alignment(
     rows, gaps = window(time_s, start_s, end_s), gaps_in(time_s)
     difference_um = 1e3 * (recorded_mm - planned_mm)
     traces = [
-        line(time_s[rows], planned_mm[rows], style.ORANGE, "planned", 0, gaps=gaps, showlegend=True),
+        line(time_s[rows], planned_mm[rows], style.ORANGE, "planned", 0, gaps=gaps, width=3, showlegend=True),
         line(time_s[rows], recorded_mm[rows], style.INK, "recorded", 0, gaps=gaps, showlegend=True),
         line(time_s[rows], difference_um[rows], style.BLUE, "recorded minus planned", 1, gaps=gaps),
     ]
-    traces[0]["line"] = {"color": style.ORANGE, "width": 3}
     axes = style.stacked_axes(["Displacement / mm", "Difference / µm"], "Time of the plan / s")
     return style.figure(traces, height=440, **axes)

@@ -16,6 +16,9 @@ from testbench.report.downsample import liveliest, window
 from testbench.report.figures.recording_figures import at_rows, line, stretches, unbroken
 
 LOOPS = 3
+OVERLAY_CAPTION = (
+    "Measured and modelled; under each the residual, measured minus modelled; grey: twice the noise floor."
+)
 CHANNEL_TITLES = {"force": "Force / N", "conductance": "ln (G / S)", "resistance": "Resistance / kΩ"}
 RESIDUAL_TITLES = {"force": "Residual / N", "conductance": "Residual / ln S", "resistance": "Residual / kΩ"}
 
@@ -70,12 +73,12 @@ class Overlay:
         """The same with the resistance in kΩ instead of the logarithm of the conductance."""
         if "conductance" not in self.measured:
             return self
-        measured = _renamed(self.measured)
+        measured = _with_resistance(self.measured)
         floor = self.noise_floor.get("conductance", 0.0) * float(np.sqrt(np.mean(measured["resistance"] ** 2)))
         return replace(
             self,
             measured=measured,
-            modelled={label: _renamed(signals) for label, signals in self.modelled.items()},
+            modelled={label: _with_resistance(signals) for label, signals in self.modelled.items()},
             noise_floor={**self.noise_floor, "resistance": floor},
         )
 
@@ -85,11 +88,13 @@ def resistance_kohm(log_conductance: FloatArray) -> FloatArray:
     return 1e-3 * np.exp(-log_conductance)
 
 
-def _renamed(signals: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    return {
-        **{channel: values for channel, values in signals.items() if channel != "conductance"},
-        "resistance": resistance_kohm(signals["conductance"]),
-    }
+def instead_of_conductance(signals: Mapping[str, FloatArray], kohm: FloatArray) -> dict[str, FloatArray]:
+    """Signals by channel with a ``resistance`` in place of the ``conductance``."""
+    return {**{name: values for name, values in signals.items() if name != "conductance"}, "resistance": kohm}
+
+
+def _with_resistance(signals: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    return instead_of_conductance(signals, resistance_kohm(signals["conductance"]))
 
 
 def model_colour(index: int, count: int) -> str:
@@ -112,7 +117,8 @@ def overlay(both: Overlay, start_s: float | None = None, end_s: float | None = N
     for channel in both.measured:
         traces += _channel_traces(both, channel, rows, len(titles))
         titles += [CHANNEL_TITLES[channel], RESIDUAL_TITLES[channel]]
-    axes = _uneven_axes(titles)
+    heights = [2.0, 1.0] * len(both.measured)  # a residual is half as tall as its signal
+    axes = style.stacked_axes(titles, "Time / s", heights, gap=0.035)
     shapes = [_floor_band(2 * row + 1, both.noise_floor.get(c, 0.0)) for row, c in enumerate(both.measured)]
     shapes += _held_out_shade(both, end_s)
     return style.figure(traces, height=150 * len(titles) + 60, shapes=shapes, **axes)
@@ -131,40 +137,22 @@ def _channel_traces(both: Overlay, channel: str, rows: slice, row: int) -> list[
     return traces
 
 
-def _uneven_axes(titles: list[str]) -> dict[str, Any]:
-    """Stacked axes in which each residual (every second row) is half as tall as its signal."""
-    weights = [2.0 if row % 2 == 0 else 1.0 for row in range(len(titles))]
-    gap = 0.035
-    unit = (1 - gap * (len(titles) - 1)) / sum(weights)
-    axes, top = {}, 1.0
-    for row, (title, weight) in enumerate(zip(titles, weights, strict=True)):
-        low = max(top - weight * unit, 0.0)
-        axes[style.axis_key("yaxis", row)] = style.axis(title, domain=[low, top], anchor="x")
-        top = low - gap
-    axes["xaxis"] = style.axis("Time / s", anchor=style.y_ref(len(titles) - 1))
-    return axes
-
-
 def _floor_band(row: int, floor: float) -> dict[str, Any]:
     """A band of plus and minus two noise floors: what no model can explain."""
     where = {"xref": "paper", "yref": style.y_ref(row), "x0": 0, "x1": 1, "y0": -2 * floor, "y1": 2 * floor}
-    return {
-        "type": "rect",
-        "fillcolor": style.FLOOR,
-        "opacity": 0.35,
-        "line": {"width": 0},
-        "layer": "below",
-        **where,
-    }
+    return _area(style.FLOOR, 0.35) | where
 
 
 def _held_out_shade(both: Overlay, end_s: float | None) -> list[dict[str, Any]]:
     if both.held_out_from_s is None or (end_s is not None and end_s < both.held_out_from_s):
         return []
-    shade = {"type": "rect", "xref": "x", "yref": "paper", "y0": 0, "y1": 1, "fillcolor": style.SKY, "opacity": 0.12}
-    return [
-        shade | {"x0": both.held_out_from_s, "x1": float(both.time_s[-1]), "line": {"width": 0}, "layer": "below"}
-    ]
+    across = {"xref": "x", "x0": both.held_out_from_s, "x1": float(both.time_s[-1])}
+    return [_area(style.SKY, 0.12) | across | {"yref": "paper", "y0": 0, "y1": 1}]
+
+
+def _area(colour: str, opacity: float) -> dict[str, Any]:
+    """A rectangle below the curves."""
+    return {"type": "rect", "fillcolor": colour, "opacity": opacity, "line": {"width": 0}, "layer": "below"}
 
 
 def modelled_loops(both: Overlay) -> style.Figure:

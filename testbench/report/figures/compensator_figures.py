@@ -14,6 +14,10 @@ RAW, TRUTH, PREDICTION = style.ORANGE, style.INK, style.BLUE
 # Mean r² over A and B after compensation that Aigner and Stoeckl report (arXiv:2306.12129), by knit.
 PAPER = {"force": {"PES": 0.779, "Lycra": 0.829}, "displacement": {"PES": 0.667, "Lycra": 0.639}}
 SYMBOLS = {"force": "F", "displacement": "d"}
+BEFORE_AND_AFTER_CAPTION = (
+    "r² before and after compensation (1 is perfect); whiskers: 95 % intervals over blocks of up to 60 s; "
+    "dotted: the means that the paper reports for its two knits."
+)
 TITLES = {"force": "Force / N", "displacement": "Displacement / mm"}
 
 
@@ -54,16 +58,10 @@ def _lines(target: str) -> list[tuple[str, str, str]]:
 
 def _axes(target: str) -> dict[str, Any]:
     upper, lower = [0.58, 1.0], [0.0, 0.42]
-    axes = {
-        "xaxis": style.axis("", domain=[0, 1], anchor="y"),
-        "yaxis": style.axis(TITLES[target], domain=upper, anchor="x"),
-    }
-    for panel, domain in ((1, [0.0, 0.47]), (2, [0.53, 1.0])):
-        axes[style.axis_key("xaxis", panel)] = style.axis("Time / s", domain=domain, anchor=style.y_ref(panel))
-        axes[style.axis_key("yaxis", panel)] = style.axis(
-            TITLES[target] if panel == 1 else "", domain=lower, anchor=style.x_ref(panel)
-        )
-    return axes
+    time = [style.axis("Time / s", domain=across) for across in ([0.0, 0.47], [0.53, 1.0])]
+    axes = style.panel(0, style.axis(domain=[0, 1]), style.axis(TITLES[target], domain=upper))
+    axes |= style.panel(1, time[0], style.axis(TITLES[target], domain=lower))
+    return axes | style.panel(2, time[1], style.axis(domain=lower))
 
 
 def scatter(row: Mapping[str, Any], target: str) -> style.Figure:
@@ -76,9 +74,8 @@ def scatter(row: Mapping[str, Any], target: str) -> style.Figure:
     ]
     traces: list[dict[str, Any]] = []
     for column, (key, colour, _) in enumerate(panels):
-        place = {"type": "scatter", **style.place(column), "hoverinfo": "skip"}
-        dots = {"mode": "markers", "marker": {"size": 3, "color": colour}, "opacity": 0.5}
-        traces.append({**place, **dots, "x": truth, "y": np.asarray(row["trace"][key])})
+        values = np.asarray(row["trace"][key])
+        traces.append(style.dots(truth, values, colour, column, 3, opacity=0.5, hoverinfo="skip"))
         traces.append(style.curve(ends, ends, TRUTH, column, 1, hoverinfo="skip"))
     quantity, unit = TITLES[target].split(" / ")
     titles = [

@@ -19,6 +19,10 @@ from testbench.report.words import with_probability
 SHOWN = 8
 VISIBLE = 0.01  # share of the residual's squares; less is not worth a bar
 SCATTER_BINS = 24
+CANDIDATES_CAPTION = (
+    "What a refit with each effect takes off the error on samples that no fit has seen, with the 95 % interval over "
+    "blocks of up to 60 s. In brackets: how probable it is that this effect is what is missing most."
+)
 
 
 def removed_percent(gain: float) -> float:
@@ -30,8 +34,7 @@ def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
     """What a refit with each effect takes off the error on samples that no fit has seen, best first.
 
     The bar is measured, with its 95 % interval over blocks of up to 60 s; an effect that was not worth a refit has
-    none.
-    Left of 0, an effect adds to the error.
+    none. Left of 0, an effect adds to the error.
 
     Parameters
     ----------
@@ -125,9 +128,8 @@ def prediction(
         first: dict[str, Any] = {"showlegend": row == 0, "gaps": gaps}
         left = "what the model leaves"
         traces.append(line(time_s[rows], residual[channel][rows], style.FAINT, left, row, **first))
-        added = "what the effect would add"
-        traces.append(line(time_s[rows], contribution[channel][rows], style.VERMILION, added, row, **first))
-        traces[-1]["line"] = {"color": style.VERMILION, "width": 1.8}
+        added, name = contribution[channel][rows], "what the effect would add"
+        traces.append(line(time_s[rows], added, style.VERMILION, name, row, width=1.8, **first))
     axes = style.stacked_axes([RESIDUAL_TITLES[channel] for channel in residual], "Time / s")
     return style.figure(traces, height=190 * len(residual) + 70, **axes)
 
@@ -139,15 +141,14 @@ def slope(residual: Mapping[str, FloatArray], contribution: Mapping[str, FloatAr
     for column, channel in enumerate(channels):
         x, y = _binned(contribution[channel], residual[channel])
         ends = np.array([x.min(), x.max()])
-        place = {"type": "scatter", **style.place(column)}
-        dots, one = {"size": 7, "color": style.VERMILION}, {"color": style.INK, "width": 1, "dash": "dash"}
-        traces.append({**place, "mode": "markers", "x": x, "y": y, "marker": dots})
-        traces.append({**place, "mode": "lines", "x": ends, "y": ends, "line": one, "hoverinfo": "skip"})
-    titles: Sequence[tuple[str, str]] = [
+        dashed = {"color": style.INK, "width": 1, "dash": "dash"}
+        traces.append(style.dots(x, y, style.VERMILION, column, 7))
+        traces.append(style.curve(ends, ends, style.INK, column, line=dashed, hoverinfo="skip"))
+    titles = [
         (RESIDUAL_TITLES[channel].replace("Residual", f"Predicted {channel}"), RESIDUAL_TITLES[channel])
         for channel in channels
     ]
-    return style.figure(traces, height=330, **style.side_by_side_axes(list(titles), gap=0.17))
+    return style.figure(traces, height=330, **style.side_by_side_axes(titles, gap=0.17))
 
 
 def _binned(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -38,16 +38,13 @@ def investigation(state: Investigation, motions: Sequence[tuple[FloatArray, Floa
     traces: list[dict[str, Any]] = []
     for colour, name in zip(COLOURS, hypotheses(state), strict=False):
         chances = [100 * run.belief.probabilities.get(name, 0.0) for run in judged if run.belief is not None]
-        look = {"line": {"color": colour, "width": 2}, "marker": {"color": colour, "size": 7}, "showlegend": True}
-        points = {"type": "scatter", "mode": "lines+markers", "x": ends_min, "y": np.array(chances)}
-        traces.append({**points, **look, "name": spoken(name)})
+        look: dict[str, Any] = {"mode": "lines+markers", "line": {"color": colour, "width": 2}, "showlegend": True}
+        traces.append(style.dots(ends_min, np.array(chances), colour, size=7, name=spoken(name), **look))
     start_min = 0.0
     for time_s, strain_percent in motions:
-        drawn = line(start_min + time_s / 60, strain_percent, style.STRAIN, "strain", 1)
-        traces.append(drawn)
+        traces.append(line(start_min + time_s / 60, strain_percent, style.STRAIN, "strain", 1))
         start_min += float(time_s[-1]) / 60
-    axes = style.stacked_axes(["Probability / %", "Strain / %"], "Time of motion / min")
-    axes["yaxis"] = style.axis("Probability / %", domain=[0.42, 1.0], anchor="x", range=[-3, 103])
-    axes["yaxis2"] = style.axis("Strain / %", domain=[0.0, 0.34], anchor="x")
+    axes = style.stacked_axes(["Probability / %", "Strain / %"], "Time of motion / min", [0.58, 0.34], gap=0.08)
+    axes["yaxis"]["range"] = [-3, 103]
     sure = style.level(100 * state.settings.sure, style.FAINT)
     return style.figure(traces, height=520, shapes=[sure], **axes)

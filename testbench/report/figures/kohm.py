@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gcode.support.arrays import FloatArray
-from testbench.report.figures.comparison_figures import resistance_kohm
+from testbench.report.figures.comparison_figures import instead_of_conductance, resistance_kohm
 
 if TYPE_CHECKING:
     from testbench.comparing.contribution import Contribution
@@ -40,8 +40,8 @@ def residuals_kohm(
 def contribution_kohm(found: Contribution, measured_ln_S: FloatArray) -> Contribution:
     """What a model leaves and an effect would add, with the resistance in kΩ instead of ln G."""
     left, added = residuals_kohm(measured_ln_S, found.residual["conductance"], found.added["conductance"])
-    return replace(found, residual=_with(found.residual, left), added=_with(found.added, added))
-
-
-def _with(signals: dict[str, FloatArray], kohm: FloatArray) -> dict[str, FloatArray]:
-    return {**{name: values for name, values in signals.items() if name != "conductance"}, "resistance": kohm}
+    return replace(
+        found,
+        residual=instead_of_conductance(found.residual, left),
+        added=instead_of_conductance(found.added, added),
+    )

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from testbench.comparing.numbers import plain
+from testbench.comparing.numbers import over_noise, plain
 from testbench.comparing.words import spoken
 from testbench.report import style
 from testbench.report.downsample import window
@@ -20,6 +20,14 @@ from testbench.report.words import PANEL_UNITS
 NAMED_STEPS = 3
 BESIDE, NAMED = 4, 9  # steps whose names have room where panels stand side by side, and one above the other
 HEADROOM = 1.3  # of the axis over the highest bar: for its number, and above it the name of the noise floor
+LADDER_CAPTION = (
+    "Error on the held-out samples, which no fit has seen, after each step; dashed: the noise floor, the least that "
+    "any model can reach."
+)
+GLANCE_CAPTION = (
+    "Left: a minute of held-out samples, where the first model is worst. "
+    "Right: the held-out error after each step, and the noise floor."
+)
 LINE = 14  # characters of a name on one line, where there is room
 
 
@@ -39,6 +47,11 @@ class Step:
     label: str
     errors: Mapping[str, float]
     noise_floor: Mapping[str, float]
+
+    @property
+    def over_noise(self) -> dict[str, float]:
+        """By channel: how many times the noise floor the error is."""
+        return {channel: over_noise(error, self.noise_floor[channel]) for channel, error in self.errors.items()}
 
 
 def ladder(steps: Sequence[Step], current: int | None = None) -> style.Figure:
@@ -61,10 +74,14 @@ def ladder(steps: Sequence[Step], current: int | None = None) -> style.Figure:
         _stack(axes, len(channels))
     for column, channel in enumerate(channels):
         _label_steps(axes, column, steps, room=len(steps) <= NAMED)
-        axes[style.axis_key("yaxis", column)]["range"] = [0, HEADROOM * max(step.errors[channel] for step in steps)]
+        axes[style.axis_key("yaxis", column)]["range"] = _from_zero(steps, channel)
     floors, notes = _floors(channels, steps, range(len(channels)))
     margin = {"l": 64, "r": 20, "t": 26, "b": 60}
     return style.figure(traces, height=height, margin=margin, shapes=floors, annotations=notes, **axes)
+
+
+def _from_zero(steps: Sequence[Step], channel: str) -> list[float]:
+    return [0, HEADROOM * max(step.errors[channel] for step in steps)]
 
 
 def _stack(axes: dict[str, Any], count: int) -> None:
@@ -76,9 +93,7 @@ def _stack(axes: dict[str, Any], count: int) -> None:
 
 def _rungs(steps: Sequence[Step], channel: str, column: int, current: int) -> list[dict[str, Any]]:
     errors = [step.errors[channel] for step in steps]
-    colours = [
-        style.RULE if i > current else style.VERMILION if i == current else style.ORANGE for i in range(len(steps))
-    ]
+    colours = [style.ORANGE] * current + [style.VERMILION] + [style.RULE] * (len(steps) - current - 1)
     more: dict[str, Any] = {
         "text": [plain(error) for error in errors],
         "textposition": "outside",
@@ -161,29 +176,19 @@ def at_a_glance(both: Overlay, steps: Sequence[Step], span_s: tuple[float, float
 def _measured_against_modelled(both: Overlay, channel: str, rows: slice, axis: int) -> list[dict[str, Any]]:
     time_s = both.time_s[rows]
     place: dict[str, Any] = {"xaxis": style.x_ref(axis), "showlegend": axis == 0, "gaps": both.gaps}
-    traces = [line(time_s, both.measured[channel][rows], style.MEASURED, "measured", axis, **place)]
+    traces = [line(time_s, both.measured[channel][rows], style.MEASURED, "measured", axis, width=2.0, **place)]
     for index, (label, signals) in enumerate(both.modelled.items()):
         colour = model_colour(index, len(both.modelled))
         traces.append(line(time_s, signals[channel][rows], colour, label, axis, **place))
-    traces[0]["line"]["width"] = 2.0
     return traces
 
 
 def _glance_axes(
     channel: str, domain: list[float], left: int, right: int, last: bool, steps: Sequence[Step]
 ) -> dict[str, Any]:
-    axes = {
-        style.axis_key("xaxis", left): style.axis(
-            "Time / s" if last else "", domain=[0, 0.6], anchor=style.y_ref(left), matches="x" if left else None
-        ),
-        style.axis_key("yaxis", left): style.axis(CHANNEL_TITLES[channel], domain=domain, anchor=style.x_ref(left)),
-        style.axis_key("xaxis", right): style.axis(domain=[0.68, 1], anchor=style.y_ref(right)),
-        style.axis_key("yaxis", right): style.axis(
-            PANEL_UNITS[channel],
-            domain=domain,
-            anchor=style.x_ref(right),
-            range=[0, HEADROOM * max(step.errors[channel] for step in steps)],
-        ),
-    }
+    time = style.axis("Time / s" if last else "", domain=[0, 0.6], matches="x" if left else None)
+    error = style.axis(PANEL_UNITS[channel], domain=domain, range=_from_zero(steps, channel))
+    axes = style.panel(left, time, style.axis(CHANNEL_TITLES[channel], domain=domain))
+    axes |= style.panel(right, style.axis(domain=[0.68, 1]), error)
     _label_steps(axes, right, steps, room=len(steps) <= NAMED_STEPS)
     return axes

@@ -63,9 +63,5 @@ def _trace(channel: LiveChannel, side: int, index: int) -> dict[str, Any]:
 def _axes(index: int, side: int, domain: list[float], title: str, last: bool) -> dict[str, Any]:
     across = [0.0, 0.62] if side == 0 else [0.68, 1.0]
     words = ("Time / s (the last minute)", "Time / s (all)")[side] if last else ""
-    return {
-        style.axis_key("xaxis", index): style.axis(words, domain=across, anchor=style.y_ref(index)),
-        style.axis_key("yaxis", index): style.axis(
-            title if side == 0 else "", domain=domain, anchor=style.x_ref(index)
-        ),
-    }
+    upright = style.axis(title if side == 0 else "", domain=domain)
+    return style.panel(index, style.axis(words, domain=across), upright)

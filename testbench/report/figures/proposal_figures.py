@@ -24,7 +24,6 @@ LEGEND = {"orientation": "h", "x": 1, "xanchor": "right", "y": 1.0, "yanchor": "
 def proposal(proposed: Proposed) -> style.Figure:
     """One row for each law (partial dependence), and one for each channel (held-out residual before and after)."""
     traces: list[dict[str, Any]] = []
-    notes: list[dict[str, Any]] = []
     panels: list[tuple[str, str]] = []
     for step in proposed.steps:
         traces += _dependence(step, len(panels))
@@ -34,16 +33,18 @@ def proposal(proposed: Proposed) -> style.Figure:
         traces += _over_time(before[channel], values, proposed.held, len(panels))
         panels.append(("Time / s", f"Measured − modelled, {channel_name(channel)} / {UNIT_OF[channel]}"))
     axes, tops = _rows(panels)
-    for index, step in enumerate(proposed.steps):
-        text = f"<b>{numbered(proposed.name, index)}</b>: {in_words(step.option.law)}"
-        notes.append(style.note(text, 0, tops[index], xanchor="left", yanchor="bottom"))
-    for index, channel in enumerate(after):
-        floor, (low, high) = (
-            proposed.noise_floor[channel],
-            (proposed.error_after[channel], proposed.error_before[channel]),
-        )
-        text = f"<b>held out</b>: {high:.3g} → {low:.3g} {UNIT_OF[channel]}, noise floor {floor:.2g}"
-        notes.append(style.note(text, 0, tops[len(proposed.steps) + index], xanchor="left", yanchor="bottom"))
+    titles = [
+        f"<b>{numbered(proposed.name, index)}</b>: {in_words(step.option.law)}"
+        for index, step in enumerate(proposed.steps)
+    ]
+    titles += [
+        f"<b>held out</b>: {proposed.error_before[channel]:.3g} → {proposed.error_after[channel]:.3g} "
+        f"{UNIT_OF[channel]}, noise floor {proposed.noise_floor[channel]:.2g}"
+        for channel in after
+    ]
+    notes = [
+        style.note(title, 0, top, xanchor="left", yanchor="bottom") for title, top in zip(titles, tops, strict=True)
+    ]
     height = ROW_PX * len(panels) + 60
     return style.figure(traces, height=height, annotations=notes, legend=LEGEND, **axes)
 
@@ -57,21 +58,12 @@ def _dependence(step: Step, index: int) -> list[dict[str, Any]]:
     """Residual without the law over z, its mean in bins with two standard errors, and what is left with it."""
     z, without, left = step.dependence
     every = max(1, len(z) // DOTS)
-    axes = style.place(index)
-    dots: dict[str, Any] = {
-        "type": "scatter", "mode": "markers", "x": z[::every], "y": without[::every],
-        "marker": {"size": 3, "color": style.FAINT}, **axes,
-    }  # fmt: skip
-    traces = [dots]
+    traces = [style.dots(z[::every], without[::every], style.FAINT, index, 3)]
     for name, values, colour in (("without the law", without, style.VERMILION), ("with it", left, style.BLUE)):
         x, mean, error = binned(z, values)
-        traces.append(
-            {
-                "type": "scatter", "mode": "lines+markers", "name": name, "x": x, "y": mean,
-                "error_y": {"array": 2 * error, "color": colour}, "line": {"width": 1.5, "color": colour},
-                "marker": {"size": 5, "color": colour}, "showlegend": index == 0, **axes,
-            }
-        )  # fmt: skip
+        look: dict[str, Any] = {"mode": "lines+markers", "line": {"width": 1.5, "color": colour}}
+        look |= {"error_y": {"array": 2 * error, "color": colour}, "showlegend": index == 0, "name": name}
+        traces.append(style.dots(x, mean, colour, index, 5, **look))
     return traces
 
 
@@ -106,6 +98,5 @@ def _rows(panels: list[tuple[str, str]]) -> tuple[dict[str, Any], list[float]]:
     axes: dict[str, Any] = {}
     domains = style.rows(len(panels), 0.32 / len(panels), 1 - LEGEND_PX / (ROW_PX * len(panels)))
     for index, ((x_title, y_title), domain) in enumerate(zip(panels, domains, strict=True)):
-        axes[style.axis_key("xaxis", index)] = style.axis(x_title, anchor=style.y_ref(index))
-        axes[style.axis_key("yaxis", index)] = style.axis(y_title, domain=domain, anchor=style.x_ref(index))
+        axes |= style.panel(index, style.axis(x_title), style.axis(y_title, domain=domain))
     return axes, [top for _, top in domains]

@@ -12,8 +12,7 @@ from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from gcode.support.figures import broken, histogram_range
 from testbench.comparing.numbers import span
-from testbench.recordings.channels import DISPLACEMENT, RESISTANCE, TEMPERATURE
-from testbench.recordings.channels import FORCE as FORCE_CHANNEL
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
 from testbench.recordings.recording import Recording
 from testbench.report import style
 from testbench.report.downsample import POINTS, rows_to_draw, window
@@ -41,8 +40,8 @@ def channels_of(recording: Recording, resistance: bool = False) -> list[Channel]
     found: list[Channel] = []
     if recording.has(DISPLACEMENT):
         found.append(("Strain / %", 100 * recording.strain, style.STRAIN))
-    if recording.has(FORCE_CHANNEL):
-        found.append(("Force / N", recording[FORCE_CHANNEL], style.FORCE))
+    if recording.has(FORCE):
+        found.append(("Force / N", recording[FORCE], style.FORCE))
     if recording.has(RESISTANCE):
         found.append(_electrical(recording, resistance))
     if recording.has(TEMPERATURE):
@@ -89,6 +88,7 @@ def line(
     row: int = 0,
     points: int = POINTS,
     gaps: Sequence[tuple[float, float]] = (),
+    width: float = 1.2,
     **more: Any,
 ) -> dict[str, Any]:
     """A line over time in row `row` of a stacked figure, downsampled to `points` so that peaks stay.
@@ -98,7 +98,7 @@ def line(
     kept = rows_to_draw(values, points)
     x, y = broken(time_s[kept], values[kept], gaps)
     look = {"name": name, "yaxis": style.y_ref(row), "hovertemplate": "%{y:.4g} at %{x:.1f} s", **more}
-    return style.curve(x, y, colour, width=1.2, **look)
+    return style.curve(x, y, colour, width=width, **look)
 
 
 def hysteresis_loops(recording: Recording, resistance: bool = False) -> style.Figure | None:
@@ -187,16 +187,16 @@ def shades(count: int) -> list[str]:
 def _loop_panels(recording: Recording, resistance: bool) -> list[tuple[str, str, FloatArray, FloatArray]]:
     strain = 100 * recording.strain if recording.has(DISPLACEMENT) else None
     panels = []
-    if recording.has(FORCE_CHANNEL) and strain is not None:
-        panels.append(("Strain / %", "Force / N", strain, recording[FORCE_CHANNEL]))
+    if recording.has(FORCE) and strain is not None:
+        panels.append(("Strain / %", "Force / N", strain, recording[FORCE]))
     if recording.has(RESISTANCE):
         title, values = "ln (G / S)", np.log(recording.conductance_S)
         if resistance:
             title, values = "Resistance / kΩ", 1e-3 * recording[RESISTANCE]
         if strain is not None:
             panels.append(("Strain / %", title, strain, values))
-        if recording.has(FORCE_CHANNEL):
-            panels.append(("Force / N", title, recording[FORCE_CHANNEL], values))
+        if recording.has(FORCE):
+            panels.append(("Force / N", title, recording[FORCE], values))
     return panels
 
 
@@ -205,7 +205,7 @@ def distributions(recording: Recording, resistance: bool = False) -> style.Figur
 
     None where a recording of hardly a sample has no times to count.
     """
-    rate_hz = speed_rate_hz(recording)
+    rate_hz = _speed_rate_hz(recording)
     try:
         even = recording.resampled(rate_hz)
     except UserError:
@@ -225,7 +225,13 @@ def distributions(recording: Recording, resistance: bool = False) -> style.Figur
     return style.figure(traces, height=240, bargap=0, **style.side_by_side_axes(titles, gap=0.06))
 
 
-def speed_rate_hz(recording: Recording) -> float:
+def distributions_caption(recording: Recording) -> str:
+    """What stands under the `distributions` of a recording."""
+    speed = f"; the speed is taken at {_speed_rate_hz(recording):.3g} Hz" if recording.has(DISPLACEMENT) else ""
+    return f"How often each value occurred{speed}."
+
+
+def _speed_rate_hz(recording: Recording) -> float:
     """The rate at which the speed is taken: 20 Hz, or the recording's own where its samples are rarer."""
     return min(SPEED_RATE_HZ, recording.mean_rate_hz)
 

@@ -29,6 +29,11 @@ HEAT_BINS = 24
 FEW = 8  # cells of a map with fewer samples are left blank
 
 
+def profiles_caption(channel: str) -> str:
+    """What stands under the `profiles` of a channel."""
+    return f"Mean residual of the {channel} over each coordinate, with two standard errors."
+
+
 def profiles(maps: Mapping[str, Sequence[Mapping[str, Any]]], channel: str) -> style.Figure:
     """Mean residual over each coordinate with two standard errors, stretching and releasing apart.
 
@@ -57,21 +62,12 @@ def _profile(cells: Sequence[Mapping[str, Any]], coordinate: str, index: int) ->
         mine = [cell for cell in cells if cell["direction"] == direction]
         if not mine:
             continue
-        traces.append(
-            {
-                "type": "scatter",
-                "mode": "lines+markers",
-                "name": name,
-                "x": np.array([centre(cell, coordinate) for cell in mine]),
-                "y": np.array([cell["mean"] for cell in mine]),
-                "error_y": {"array": np.array([2 * cell["standard_error"] for cell in mine]), "color": colour},
-                "marker": {"size": 6, "symbol": symbol, "color": colour},
-                "line": {"width": 1, "color": colour},
-                **style.place(index),
-                "hovertemplate": "%{y:.3g} at %{x:.3g}",
-                "showlegend": True,
-            }
-        )
+        x = np.array([centre(cell, coordinate) for cell in mine])
+        mean, error = (np.array([cell[key] for cell in mine]) for key in ("mean", "standard_error"))
+        trace = style.dots(x, mean, colour, index, mode="lines+markers", line={"width": 1, "color": colour})
+        trace["marker"]["symbol"] = symbol
+        whiskers = {"array": 2 * error, "color": colour}
+        traces.append(trace | {"name": name, "error_y": whiskers, "hovertemplate": "%{y:.3g} at %{x:.3g}"})
     return traces
 
 
@@ -93,19 +89,15 @@ def _legend_once(traces: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 def _grid_axes(coordinates: list[str], columns: int, channel: str) -> dict[str, Any]:
     across, down = style.parts(columns, 0.07), style.rows(-(-len(coordinates) // columns), 0.2)
-    axes = {}
+    axes: dict[str, Any] = {}
     for index, coordinate in enumerate(coordinates):
         row, column = divmod(index, columns)
         kind = {"type": "log", "dtick": 1} if coordinate in LOG_COORDINATES else {}
-        axes[style.axis_key("xaxis", index)] = style.axis(
-            COORDINATE_TITLES[coordinate], domain=across[column], anchor=style.y_ref(index), **kind
-        )
-        axes[style.axis_key("yaxis", index)] = style.axis(
-            RESIDUAL_TITLES[channel] if column == 0 else "",
-            domain=down[row],
-            anchor=style.x_ref(index),
-            zeroline=True,
-            zerolinecolor=style.FAINT,
+        title = RESIDUAL_TITLES[channel] if column == 0 else ""
+        axes |= style.panel(
+            index,
+            style.axis(COORDINATE_TITLES[coordinate], domain=across[column], **kind),
+            style.axis(title, domain=down[row], zeroline=True, zerolinecolor=style.FAINT),
         )
     return axes
 

@@ -137,8 +137,10 @@ class Choices:
 
     def set_column(self, role: str, column: str | None) -> None:
         """Take a column for `role`; another electrical quantity, or a strain for a displacement, gives way to it."""
+        from testbench.importing.choice import ELECTRICAL
+
         self.columns[role] = column or NOT_THERE
-        for group in (("displacement", "strain"), tuple(TITLES)[4:8]):
+        for group in (("displacement", "strain"), ELECTRICAL):
             if column and role in group:
                 for other in group:
                     if other != role:

@@ -48,8 +48,6 @@ class Job:
         Progress from 0 to 1, where the command tells it.
     latest : dict
         The last JSON object it printed.
-    version : int
-        Grows with every change; pages that watch redraw when it does.
     """
 
     key: str
@@ -64,7 +62,6 @@ class Job:
     errors: deque[str] = field(default_factory=lambda: deque(maxlen=40))
     started_s: float = field(default_factory=time.monotonic)
     ended_s: float | None = None
-    version: int = 0
     task: asyncio.Task | None = None
     process: asyncio.subprocess.Process | None = None
     pace: Pace = field(default_factory=Pace)
@@ -96,17 +93,13 @@ class Job:
 
     def hear(self, line: str) -> None:
         """Take in one line of its stdout."""
-        self.version += 1
         self.lines.append(line)
-        event = _event(line)
-        if event is not None:
+        if event := _event(line):
             self._take(event)
 
     def hear_error(self, line: str) -> None:
         """Take in one line of its stderr: progress, or words."""
-        self.version += 1
-        event = _event(line)
-        if event is not None:
+        if event := _event(line):
             self._take(event)
         else:
             self.errors.append(line)

@@ -115,7 +115,7 @@ class JobBoard:
         """Ask a job to end (as Ctrl-C would), kill it if it does not, and wait until it is gone."""
         if not job.running:
             return
-        job.state, job.version = State.CANCELLED, job.version + 1
+        job.state = State.CANCELLED
         self._signal(job, signal.SIGINT)
         if job.task:
             patience_s = PATIENCE_S if job.about is None else LONG_PATIENCE_S
@@ -173,7 +173,7 @@ async def _run(job: Job) -> None:
 
 
 def _end(job: Job, code: int) -> None:
-    job.ended_s, job.version = time.monotonic(), job.version + 1
+    job.ended_s = time.monotonic()
     if job.state is State.RUNNING:
         job.state = State.DONE if code == 0 else State.FAILED
 

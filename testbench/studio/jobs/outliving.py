@@ -25,6 +25,7 @@ from gcode.support.disk import DISK, open_growing
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
 from gcode.support.strict import read_json, read_text, validated
+from testbench.studio.tail import Tail
 
 POLLED_S = 0.1
 LEFT: list[subprocess.Popen] = []  # running children that this process may forget, but not disown with a warning
@@ -151,38 +152,16 @@ class Outliving:
 
     async def follow(self, hear: Callable[[str], None], hear_error: Callable[[str], None]) -> None:
         """Pass on what it says, line by line, until it has ended; a job found again is caught up with."""
-        tails = [(Tail(self.folder / SAID), hear), (Tail(self.folder / ERRORS), hear_error)]
+        tails = [
+            (Tail(self.folder / name, CAUGHT_UP_BYTES), listener)
+            for name, listener in ((SAID, hear), (ERRORS, hear_error))
+        ]
         living = True
         while living:
             living = self.alive()  # asked before the look, so that the last look hears its last words
             for tail, listener in tails:
-                for line in tail.fresh():
-                    listener(line)
+                while lines := tail.fresh():
+                    for line in lines:
+                        listener(line)
             if living:
                 await asyncio.sleep(POLLED_S)
-
-
-class Tail:
-    """Whole lines that have been appended to a file since the last look."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        size = path.stat().st_size if path.exists() else 0
-        self._offset = max(0, size - CAUGHT_UP_BYTES)
-        self._torn = self._offset > 0  # what comes first is the end of a line
-        self._rest = b""
-
-    def fresh(self) -> list[str]:
-        """The lines; a line without its end waits for the next look."""
-        try:
-            with self.path.open("rb") as stream:
-                stream.seek(self._offset)
-                raw = stream.read()
-        except FileNotFoundError:
-            return []
-        self._offset += len(raw)
-        *lines, self._rest = (self._rest + raw).split(b"\n")
-        if self._torn and lines:
-            self._torn = False
-            lines = lines[1:]
-        return [line.decode("utf-8", "replace").rstrip("\r") for line in lines]

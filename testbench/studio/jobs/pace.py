@@ -140,7 +140,7 @@ def kind_of(argv: Sequence[str]) -> str:
     return " ".join(kind)
 
 
-def duration_in_words(seconds: float) -> str:
+def about_in_words(seconds: float) -> str:
     """``about 40 s``, ``about 3 min``."""
     if seconds < 10:
         return "a few seconds"

@@ -146,7 +146,7 @@ class Card:
         jobs = [job for job in self.studio.jobs.running() if campaign_of(job.key) == campaign.name]
         if jobs:
             raise UserError(f"{campaign.name} is in use: “{jobs[0].title}” is running; end that first")
-        self.studio.delete(campaign.name)
+        self.studio.deleted.add(campaign.name)
         ui.navigate.reload()
 
     async def fill(self) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from pathlib import Path
 
 from nicegui import ui
 
@@ -54,12 +55,12 @@ def _empty(studio: Studio) -> None:
 
 def _deleted(studio: Studio) -> None:
     """What was deleted can be brought back."""
-    gone = studio.workspace.deleted()
+    gone = studio.deleted.all()
     if not gone:
         return
 
-    def restore(place) -> None:
-        studio.restore(place)
+    def restore(place: Path) -> None:
+        studio.deleted.restore(place)
         ui.navigate.reload()
 
     with ui.column().classes("card gap-1").props("role=status"):

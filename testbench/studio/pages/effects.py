@@ -13,7 +13,7 @@ from gcode.support.strict import read_text
 from testbench.studio.jobs.job import Job, State
 from testbench.studio.memory import stamp
 from testbench.studio.parts.fields import typed_path
-from testbench.studio.parts.job_card import start_in
+from testbench.studio.parts.starting import start_in
 from testbench.studio.parts.widgets import attempt, guarded, heading, name_in_page, trouble
 from testbench.studio.studio import MOST_EFFECTS_BYTES, Studio
 

@@ -21,7 +21,8 @@ from testbench.studio.importing.raw_lines import raw_table
 from testbench.studio.jobs.job import Job, State
 from testbench.studio.parts.address import Address, address
 from testbench.studio.parts.fields import check, number_field, typed_path
-from testbench.studio.parts.job_card import job_card, join_newest
+from testbench.studio.parts.job_card import JobCard
+from testbench.studio.parts.starting import join_newest
 from testbench.studio.parts.widgets import (
     aside,
     attempt,
@@ -205,7 +206,7 @@ class _Form:
             if argv:
                 title = f"Importing {self.choices.path.name}"
                 self.job = self.studio.jobs.start(f"import:{self.name.value}", title, argv)
-                job_card(self.studio, self.job, partial(self._ended, self.result))
+                JobCard(self.studio, self.job, partial(self._ended, self.result))
         _bring_into_view(self.result)
 
     def _import_command(self) -> list[str]:

@@ -16,13 +16,14 @@ from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
 from testbench.recordings.manifest import CSV
 from testbench.report import style
 from testbench.report.figures.live_figures import LiveChannel, live
+from testbench.studio.following import Follower
 from testbench.studio.jobs.job import Job, State
-from testbench.studio.live import Follower
 from testbench.studio.parts.address import address
 from testbench.studio.parts.picture import plot
 from testbench.studio.parts.unfinished import is_unfinished, resume
 from testbench.studio.parts.widgets import aside, attempt, trouble
 from testbench.studio.studio import KEY_RIG, Studio
+from testbench.studio.workspace import MANIFEST
 
 REFRESH_S = 0.5
 CAPTION = "Left: the last minute, every sample. Right: all so far. Dashed: your limits."
@@ -120,7 +121,7 @@ class Live:
             await self._stop_rig()
 
     def _ways_on(self) -> None:
-        if not (self.folder / "datapackage.json").is_file():
+        if not (self.folder / MANIFEST).is_file():
             return
         name = self.studio.workspace.name_of(self.folder)
         ui.button("Open the recording", on_click=lambda: ui.navigate.to(address("/recording", c=name)))

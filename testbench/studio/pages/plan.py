@@ -16,9 +16,9 @@ from testbench.report.words import duration_in_words
 from testbench.studio.jobs.job import Job, State
 from testbench.studio.parts.address import Address
 from testbench.studio.parts.fields import asked, check, keep_in, number_field, typed
-from testbench.studio.parts.job_card import join_newest, offer_campaign_of, open_campaign_of, start_in
 from testbench.studio.parts.picture import plot
-from testbench.studio.parts.widgets import aside, attempt, download_button, facts, guarded, heading, subheading
+from testbench.studio.parts.starting import join_newest, offer_campaign_of, open_campaign_of, start_in
+from testbench.studio.parts.widgets import aside, attempt, download_button, facts, guarded, heading, later, subheading
 from testbench.studio.studio import Studio
 
 PRESETS = {
@@ -28,13 +28,11 @@ PRESETS = {
     "fast": "fast, 0–50 % strain",
 }
 SENSORS = {"pes": "PES knit", "lycra": "Lycra knit"}
-PROGRAMS = "programs"
-LIMITS = {"--v-max": "speed", "--a-max": "acceleration", "--x-min": "lowest", "--x-max": "highest"}
-LIMIT_NAMES = {
-    "speed": "Speed / mm/s",
-    "acceleration": "Acceleration / mm/s²",
-    "lowest": "Travel from / mm",
-    "highest": "Travel to / mm",
+LIMITS = {  # by name in the address: option of the command, name in a preset, label of the field
+    "speed": ("--v-max", "v_max_mm_per_s", "Speed / mm/s"),
+    "acceleration": ("--a-max", "a_max_mm_per_s2", "Acceleration / mm/s²"),
+    "lowest": ("--x-min", "x_min_mm", "Travel from / mm"),
+    "highest": ("--x-max", "x_max_mm", "Travel to / mm"),
 }
 
 
@@ -84,11 +82,12 @@ def _form(studio: Studio, where: Address, begun: Callable[[], object]) -> None:
             name = f"{preset.value}-seed{typed(seed)}-{typed(gauge)}mm-{typed(minutes)}min"
             argv = ["gcode", "generate", "--preset", preset.value, "--seed", str(int(seed.value))]
             argv += ["--gauge-length-mm", typed(gauge), "--duration-s", f"{60 * minutes.value:.12g}"]
-            for option, field in limits.items():
+            for key, field in limits.items():
                 if field.value is not None:
+                    option = LIMITS[key][0]
                     argv.append(f"{option}={typed(field)}")
                     name += f"-{option.removeprefix('--').removesuffix('-max').replace('-', '')}{typed(field)}"
-            argv += ["-o", str(studio.workspace.root / PROGRAMS / name)]
+            argv += ["-o", str(studio.workspace.program(name))]
             begun()
             start_in(holder, studio, f"plan:{name}", f"Planning {name}", argv, partial(_planned, where))
 
@@ -97,17 +96,15 @@ def _form(studio: Studio, where: Address, begun: Callable[[], object]) -> None:
 
 
 def _limits(where: Address) -> dict[str, ui.number]:
-    """The fields for the limits of the machine, by their options; folded where none was asked for."""
-    limited = any(where.query[key] for key in LIMITS.values())
+    """The fields for the limits of the machine, by name; folded where none was asked for."""
+    limited = any(where.query[key] for key in LIMITS)
     fold = ui.expansion("Limits of the machine", value=limited).classes("w-full")
     with fold, ui.row().classes("items-start"):
         limits = {
-            option: number_field(
-                LIMIT_NAMES[key], asked(where, key, None), positive=not key.endswith("est"), optional=True
-            )
-            for option, key in LIMITS.items()
+            key: number_field(label, asked(where, key, None), positive=not option.startswith("--x"), optional=True)
+            for key, (option, _, label) in LIMITS.items()
         }
-    keep_in(where, **{key: limits[option] for option, key in LIMITS.items()})
+    keep_in(where, **limits)
     return limits
 
 
@@ -120,14 +117,13 @@ def _say_which_hold(fields: Mapping[str, ui.number], preset: str) -> None:
     """Under each empty field, the limit that holds then."""
     from gcode.trajectories.presets import PRESETS as SPECS
 
-    limits = SPECS[preset].limits
-    values = (limits.v_max_mm_per_s, limits.a_max_mm_per_s2, limits.x_min_mm, limits.x_max_mm)
-    for (_, field), value, unit in zip(fields.items(), values, ("mm/s", "mm/s²", "mm", "mm"), strict=True):
-        field.props(f'hint="empty: {value:g} {unit}"')
+    for key, (_, name, label) in LIMITS.items():
+        unit = label.partition(" / ")[2]
+        fields[key].props(f'hint="empty: {getattr(SPECS[preset].limits, name):g} {unit}"')
 
 
 def _result(studio: Studio, program: str) -> None:
-    folder = (studio.workspace.root / PROGRAMS / program).resolve()
+    folder = studio.workspace.program(program).resolve()
     if not folder.is_relative_to(studio.workspace.root) or not (folder / "trajectory.json").is_file():
         raise UserError(f"no plan called {program!r}; plan it again")
     made = read_plan(folder / "trajectory.json")
@@ -136,7 +132,7 @@ def _result(studio: Studio, program: str) -> None:
     facts(_figures(statistics))
     with ui.row():
         program_downloads(folder, program)
-    _picture(folder, limits)
+    later(partial(_picture, folder, limits))
     _run_form(studio, folder, program)
 
 
@@ -157,20 +153,13 @@ def _figures(statistics: dict[str, Any]) -> list[tuple[str, str]]:
     ]
 
 
-def _picture(folder: Path, limits: dict[str, float]) -> None:
+async def _picture(folder: Path, limits: dict[str, float]) -> None:
     from gcode.trajectories.trajectory import read_csv
 
-    holder = ui.column().classes("w-full")
-
-    async def draw() -> None:
-        planned = await aside(read_csv, folder / "trajectory.csv")
-        figure = motion(
-            planned.time_s, planned.position_mm, limits.get("v_max_mm_per_s"), limits.get("a_max_mm_per_s2")
-        )
-        with holder:
-            plot(figure, "The planned motion; dashed: the limits of the machine.")
-
-    ui.timer(0.01, draw, once=True)
+    planned = await aside(read_csv, folder / "trajectory.csv")
+    speed, acceleration = limits.get("v_max_mm_per_s"), limits.get("a_max_mm_per_s2")
+    figure = motion(planned.time_s, planned.position_mm, speed, acceleration)
+    plot(figure, "The planned motion; dashed: the limits of the machine.")
 
 
 def _run_form(studio: Studio, folder: Path, program: str) -> None:

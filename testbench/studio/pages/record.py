@@ -11,7 +11,7 @@ from gcode.support.errors import UserError
 from gcode.support.files import make_folder
 from testbench.studio.pages.campaign.compensate import compensators
 from testbench.studio.pages.live import Live
-from testbench.studio.pages.plan import PROGRAMS, SENSORS
+from testbench.studio.pages.plan import SENSORS
 from testbench.studio.parts.fields import check, number_field, typed
 from testbench.studio.parts.unfinished import refuse_a_second, rig_port
 from testbench.studio.parts.widgets import attempt, guarded, heading, invitation, way_on
@@ -30,7 +30,7 @@ def page(studio: Studio) -> None:
         if job := studio.jobs.under_way(KEY_RECORDING):
             Live(studio, job)
             return
-        programs = sorted(path.parent.name for path in (studio.workspace.root / PROGRAMS).glob("*/program.tap"))
+        programs = sorted(path.parent.name for path in studio.workspace.program().glob("*/program.tap"))
         if programs:
             _Form(studio, holder, programs)
             return
@@ -85,7 +85,7 @@ class _Form:
     async def _start(self) -> None:
         check(self.force, self.strain)
         target = self.studio.workspace.free_name(self.name.value)
-        tap = self.studio.workspace.root / PROGRAMS / self.program.value / "program.tap"
+        tap = self.studio.workspace.program(self.program.value) / "program.tap"
         refuse_a_second(self.studio)
         simulated = self.port.value == SIMULATED
         url = await _simulated_port(self.studio, self.sensor.value, tap) if simulated else self.port.value

@@ -18,10 +18,11 @@ from testbench.report.words import PANEL_UNITS, with_probability
 from testbench.results.model_file import about_model
 from testbench.results.result_files import read_diagnosis, read_score
 from testbench.studio import models
-from testbench.studio.beside import fitted_value
+from testbench.studio.beside import IN_BRACKETS, fitted_value, parameters_of
+from testbench.studio.pages.campaign.compensate import score_path
 from testbench.studio.parts.address import Address, address
 from testbench.studio.parts.picture import plot
-from testbench.studio.parts.widgets import RESISTANCE, aside, guarded, heading, quantity_toggle, table
+from testbench.studio.parts.widgets import KOHM, aside, guarded, heading, quantity_toggle, table
 from testbench.studio.studio import Studio
 
 
@@ -43,17 +44,16 @@ async def page(studio: Studio, a: str = "", b: str = "", show: str = "") -> None
         raise UserError("choose two campaigns in the list, and compare them side by side")
     where = Address("/side", a=a, b=b, show=show)
     quantity_toggle(where)
-    kohm = show == RESISTANCE
+    kohm = show == KOHM
     sides = [await aside(_side, studio, name, kohm) for name in (a, b)]
     names = list(dict.fromkeys(key for side in sides for key in side.facts))
     with ui.row().classes("w-full gap-4"):
         for side in sides:
             ui.link(side.name, address("/recording", c=side.name)).classes("way")
     table(("", a, b), [(name, *(side.facts.get(name, "") for side in sides)) for name in names])
-    addresses = list(dict.fromkeys(key for side in sides for key in side.fit.get("parameters", {}) if "[" not in key))
-    if addresses:
-        rows = [(parameter_name(key), *(fitted_value(side.fit, key) for side in sides)) for key in addresses]
-        table(("Parameter", a, b), rows, "± is one standard error; a value in brackets should be doubted.")
+    if parameters := parameters_of(*(side.fit for side in sides)):
+        rows = [(parameter_name(key), *(fitted_value(side.fit, key) for side in sides)) for key in parameters]
+        table(("Parameter", a, b), rows, IN_BRACKETS)
     for side in sides:
         loops = figures.hysteresis_loops(side.recording, kohm)
         if loops:
@@ -88,7 +88,7 @@ def _verdict(studio: Studio, name: str) -> dict[str, str]:
     path = models.diagnosis_path(studio, name)
     if not path.is_file():
         return {}
-    found = read_diagnosis(str(path))
+    found = read_diagnosis(path)
     verdict = spoken(found["verdict"])
     if found["verdict"] == "missing" and found["ranking"]:
         verdict = f"missing: {with_probability(found, found['ranking'][0]['effect'])}"
@@ -96,7 +96,7 @@ def _verdict(studio: Studio, name: str) -> dict[str, str]:
 
 
 def _score(studio: Studio, name: str) -> dict[str, str]:
-    path = studio.workspace.results(name) / "force.score.json"
+    path = score_path(studio, name, "force")
     if not path.is_file():
         return {}
     summary = read_score(path)["summary"]

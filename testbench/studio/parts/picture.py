@@ -107,14 +107,16 @@ def _card(caption: str) -> Iterator[ui.row]:
 Span = tuple[float | None, float | None]  # start and end in seconds; None: as far as it goes
 
 
-def zooming_plot(
-    drawn: Drawn,
-    caption: str,
-    time_s: NDArray[np.float64],
-    span: Span = (None, None),
-    on_span: Callable[[Span], None] = lambda span: None,
-) -> ZoomingPlot:
-    """A plot over time that is drawn again at full detail for the stretch that is zoomed into.
+def not_there(span: Span, ends: tuple[float, float]) -> str:
+    """Why nothing would be seen of a stretch; empty where something would."""
+    start_s, end_s = span
+    if start_s is None or end_s is None or (start_s < ends[1] and end_s > ends[0]):
+        return ""
+    return f"there is nothing before {ends[0]:.1f} s" if end_s <= ends[0] else f"it ends at {ends[1]:.1f} s"
+
+
+class ZoomingPlot:
+    """A plot over time, and fields for its stretch; it is drawn again at full detail where it is zoomed into.
 
     Parameters
     ----------
@@ -132,27 +134,18 @@ def zooming_plot(
     UserError
         If it is to open on times that there are not.
     """
-    ends = float(time_s[0]), float(time_s[-1])
-    wrong = not_there(span, ends)
-    if wrong:
-        raise UserError(f"the address asks for times from {span[0]:g} to {span[1]:g} s; {wrong}")
-    return ZoomingPlot(drawn, caption, ends, span, on_span)
-
-
-def not_there(span: Span, ends: tuple[float, float]) -> str:
-    """Why nothing would be seen of a stretch; empty where something would."""
-    start_s, end_s = span
-    if start_s is None or end_s is None or (start_s < ends[1] and end_s > ends[0]):
-        return ""
-    return f"there is nothing before {ends[0]:.1f} s" if end_s <= ends[0] else f"it ends at {ends[1]:.1f} s"
-
-
-class ZoomingPlot:
-    """The picture and the fields for its stretch."""
 
     def __init__(
-        self, drawn: Drawn, caption: str, ends: tuple[float, float], span: Span, on_span: Callable[[Span], None]
+        self,
+        drawn: Drawn,
+        caption: str,
+        time_s: NDArray[np.float64],
+        span: Span,
+        on_span: Callable[[Span], None],
     ) -> None:
+        ends = float(time_s[0]), float(time_s[-1])
+        if wrong := not_there(span, ends):
+            raise UserError(f"the address asks for times from {span[0]:g} to {span[1]:g} s; {wrong}")
         self.drawn, self.span, self._on_span = drawn, span, on_span
         with _card(caption) as below:
             self.picture = Picture(looking_at(drawn(*span), span), caption)
@@ -245,7 +238,7 @@ def _rounded(time_s: float | None) -> float | None:
     return None if time_s is None else round(time_s, 2)
 
 
-def zoomed_span(change: dict[str, Any]) -> tuple[float | None, float | None] | None:
+def zoomed_span(change: dict[str, Any]) -> Span | None:
     """The stretch of time that a zoom asks for; (None, None) for all, None when the zoom was not along time."""
     if change.get("xaxis.autorange"):
         return None, None

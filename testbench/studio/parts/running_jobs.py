@@ -26,13 +26,8 @@ PLACES = {
 WITHOUT_CAMPAIGN = {"plan": "/plan", "import": "/import", "effects": "/effects"}
 
 
-def running_now(studio: Studio) -> None:
-    """Every job under way, whichever page or tab has started it."""
-    _Running(studio)
-
-
-class _Running:
-    """The list in one tab."""
+class RunningNow:
+    """Every job under way, whichever page or tab has started it, as one tab lists them."""
 
     def __init__(self, studio: Studio) -> None:
         self.studio = studio
@@ -63,8 +58,7 @@ class _Running:
     def _line(self, job: Job) -> None:
         with ui.row().classes("items-center w-full no-wrap gap-1"):
             with ui.column().classes("grow gap-0"):
-                where = place_of(job)
-                if where:
+                if where := place_of(job):
                     ui.link(job.title, where).classes("text-sm")
                 else:
                     ui.label(job.title).classes("text-sm")

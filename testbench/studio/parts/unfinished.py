@@ -95,15 +95,9 @@ def resume(
             "the simulated rig that this was recorded from has ended, and its motion with it; "
             "record anew, or name another port"
         )
-    argv = [
-        "testbench",
-        "record",
-        "--resume",
-        f"--port={port}",
-        "--progress-json",
-        *_compensator_of(studio, campaign),
-    ]
-    studio.jobs.start(KEY_RECORDING, f"Recording {campaign.name}", [*argv, "-o", str(campaign.folder)])
+    argv = ["testbench", "record", "--resume", f"--port={port}", "--progress-json"]
+    argv += [*_compensator_of(studio, campaign), "-o", str(campaign.folder)]
+    studio.jobs.start(KEY_RECORDING, f"Recording {campaign.name}", argv)
     go("/record")
 
 

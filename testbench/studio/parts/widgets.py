@@ -15,6 +15,7 @@ from typing import Any, TypeVar
 
 from nicegui import ui
 
+from gcode.support import html
 from gcode.support.errors import UserError
 from testbench.studio.parts.address import Address, address
 from testbench.studio.studio import Studio
@@ -171,8 +172,8 @@ def facts(pairs: Sequence[tuple[str, str]]) -> None:
     ui.html(f'<div class="facts">{cells}</div>', sanitize=False).classes("w-full")
 
 
-RESISTANCE = "resistance"
-CONDUCTANCE_OR = {"": "Conductance", RESISTANCE: "Resistance in kΩ"}
+KOHM = "resistance"  # what an address shows, and what figures call it: the resistance in kΩ
+CONDUCTANCE_OR = {"": "Conductance", KOHM: "Resistance in kΩ"}
 
 
 def quantity_toggle(where: Address) -> None:
@@ -185,12 +186,8 @@ def quantity_toggle(where: Address) -> None:
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]], caption: str = "") -> None:
     """A table of text; it scrolls by itself where the screen is narrow."""
-    names = "".join(f"<th scope='col'>{escape(name)}</th>" for name in head)
-    body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
-    under = f"<caption>{escape(caption)}</caption>" if caption else ""
-    ui.html(
-        f"<table>{under}<thead><tr>{names}</tr></thead><tbody>{body}</tbody></table>", sanitize=False, tag="div"
-    ).classes("table wide" if len(head) > 3 else "table").props("tabindex=0")
+    shown = ui.html(html.table(head, rows, caption), sanitize=False, tag="div")
+    shown.classes("table wide" if len(head) > 3 else "table").props("tabindex=0")
 
 
 def campaign_head(name: str, here: str, show: str = "") -> None:

@@ -393,6 +393,16 @@ def test_two_samples_have_no_distribution_and_the_rest_of_the_report() -> None:
     assert sections.recording_section(two, "Two", "two").items
 
 
+def test_a_report_says_at_which_rate_the_speed_was_taken_and_nothing_of_a_speed_that_there_is_not() -> None:
+    slow = Recording(np.arange(300.0), {"displacement_mm": np.sin(np.arange(300.0)) + 1}, 25.0, "slow.csv")
+    still = Recording(np.arange(300.0), {"force_N": np.ones(300), "resistance_ohm": np.ones(300)}, 25.0, "still.csv")
+    captions = [sections.recording_section(one, "One", "one").items[-1].caption for one in (slow, still)]
+    assert captions == [
+        "How often each value occurred; the speed is taken at 1 Hz.",
+        "How often each value occurred.",
+    ]
+
+
 def test_clocks_are_told_in_words() -> None:
     assert words.clocks_in_words(0.0004, 0.1, 60.0).endswith("together with the recording; their clocks run alike.")
     assert words.clocks_in_words(0.342, 35.0, 1380.0) == (

@@ -18,6 +18,11 @@ def with_diagnosis(studio: Studio, verdict: str = "missing") -> None:
     (studio.workspace.results("sleeve") / "diagnosis.json").write_text(json.dumps(data))
 
 
+def steps_in(studio: Studio, c: str) -> int:
+    """How many steps the ladder of a campaign has."""
+    return len(json.loads(models.model_path(studio, c).read_text())["history"])
+
+
 def refit_elsewhere(studio: Studio) -> None:
     """The model of ``sleeve`` fitted anew and judged on other samples, at the very times that its file had."""
     path = models.model_path(studio, "sleeve")

@@ -75,65 +75,65 @@ def test_deleting_is_undone_with_all_that_was_made(studio: Studio) -> None:
     studio.make_results("model:sleeve")
     (workspace.results("sleeve") / "model.json").write_text("{}")
     before = (workspace.root / "sleeve" / "recording.csv").read_bytes()
-    workspace.delete("sleeve")
+    studio.deleted.add("sleeve")
     assert workspace.campaigns() == []
-    ((name, place),) = workspace.deleted()
+    ((name, place),) = studio.deleted.all()
     assert name == "sleeve"
-    assert workspace.restore(place) == "sleeve"
+    assert studio.deleted.restore(place) == "sleeve"
     assert (workspace.root / "sleeve" / "recording.csv").read_bytes() == before
     assert (workspace.results("sleeve") / "model.json").is_file()
-    assert workspace.deleted() == []
+    assert studio.deleted.all() == []
 
 
 def test_a_note_goes_and_comes_back_with_its_campaign(studio: Studio) -> None:
     """Another campaign that gets the name meanwhile must not get the note."""
     note = Note(("wet",), "sleeve torn at 40 s")
     studio.notes.put("sleeve", note)
-    place = studio.delete("sleeve")
+    place = studio.deleted.add("sleeve")
     assert studio.notes.of("sleeve") == Note()
-    assert studio.restore(place) == "sleeve"
+    assert studio.deleted.restore(place) == "sleeve"
     assert studio.notes.of("sleeve") == note
-    assert studio.workspace.deleted() == []
+    assert studio.deleted.all() == []
 
 
 def test_looking_at_a_deleted_campaign_does_not_take_the_place_of_its_results(studio: Studio) -> None:
     workspace = studio.workspace
     studio.make_results("model:sleeve")
     (workspace.results("sleeve") / "model.json").write_text("{}")
-    place = workspace.delete("sleeve")
+    place = studio.deleted.add("sleeve")
     assert not workspace.results("sleeve").exists(), "nothing is made by asking"
     workspace.results("sleeve").mkdir()  # as an earlier version did
-    workspace.restore(place)
+    studio.deleted.restore(place)
     assert workspace.made()["sleeve"] == {"fitted"}
-    assert workspace.deleted() == []
+    assert studio.deleted.all() == []
 
 
 def test_old_results_are_kept_where_new_ones_have_been_made(studio: Studio) -> None:
     workspace = studio.workspace
     studio.make_results("model:sleeve")
     (workspace.results("sleeve") / "model.json").write_text("old")
-    place = workspace.delete("sleeve")
+    place = studio.deleted.add("sleeve")
     studio.make_results("model:sleeve")
     (workspace.results("sleeve") / "model.json").write_text("new")
-    workspace.restore(place)
+    studio.deleted.restore(place)
     assert (workspace.results("sleeve") / "model.json").read_text() == "new"
     assert (place / "results" / "model.json").read_text() == "old"
-    assert workspace.deleted() == [("sleeve", place)]
+    assert studio.deleted.all() == [("sleeve", place)]
     with pytest.raises(UserError, match=r"sleeve has other results now: move .* away"):
-        workspace.restore(place)
+        studio.deleted.restore(place)
     shutil.rmtree(workspace.results("sleeve"))
-    workspace.restore(place)
+    studio.deleted.restore(place)
     assert (workspace.results("sleeve") / "model.json").read_text() == "old"
-    assert workspace.deleted() == []
+    assert studio.deleted.all() == []
 
 
 def test_a_name_that_was_taken_meanwhile_is_not_overwritten(studio: Studio) -> None:
-    place = studio.workspace.delete("sleeve")
+    place = studio.deleted.add("sleeve")
     (studio.workspace.root / "sleeve").mkdir()
     (studio.workspace.root / "sleeve" / "mine.txt").write_text("mine")
     with pytest.raises(UserError, match="this name is taken"):
-        studio.workspace.restore(place)
-    assert studio.workspace.deleted()
+        studio.deleted.restore(place)
+    assert studio.deleted.all()
 
 
 def test_thousands_of_campaigns_are_described_from_what_is_known(studio: Studio) -> None:
@@ -165,7 +165,7 @@ async def test_the_list_says_what_it_shows(user: User, studio: Studio) -> None:
 
 @pytest.mark.asyncio
 async def test_a_deleted_campaign_is_offered_back(user: User, studio: Studio) -> None:
-    studio.workspace.delete("sleeve")
+    studio.deleted.add("sleeve")
     await user.open("/")
     await user.should_see("sleeve was deleted.")
     user.find("Undo").click()

@@ -95,7 +95,7 @@ def test_a_manifest_that_is_none_is_one_sentence_in_the_list_and_in_the_terminal
         for command in (["verify"], ["fit", "-o", "x.json"], ["report", "-o", "x.html", "--recording"]):
             assert main([*command, str(hostile / name)]) == 2
             assert re.search(LINKS[name], capsys.readouterr().err)
-        studio.workspace.delete(name)
+        studio.deleted.add(name)
     assert name not in {campaign.name for campaign in studio.workspace.campaigns()}
 
 
@@ -170,7 +170,7 @@ def test_results_stay_in_the_workspace(hostile, outside, link):
     (hostile / "results").mkdir(exist_ok=True)
     (hostile / link).symlink_to(outside)
     with pytest.raises(UserError, match=r"a link leads to .*outside.*remove the link"):
-        studio.workspace.results("good") if link.endswith("good") else studio.workspace.delete("good")
+        studio.workspace.results("good") if link.endswith("good") else studio.deleted.add("good")
 
 
 def linked(place: Path, outside: Path) -> None:

@@ -12,7 +12,7 @@ from gcode.support.errors import UserError
 from testbench.knit.template import write_template
 from testbench.studio import models, proposed_law
 from testbench.studio.studio import Studio
-from tests.testbench.studio.diagnoses import refit_elsewhere, running_job
+from tests.testbench.studio.diagnoses import refit_elsewhere, running_job, steps_in
 from tests.testbench.studio.proposals import FOUND, write_proposal
 
 
@@ -35,7 +35,7 @@ def test_a_law_that_is_added_joins_the_own_effects_and_the_ladder(proposed: Stud
     assert proposed.runnable_effects is None
     proposed_law.take(proposed, "sleeve", kept(proposed))
     assert "sleeve_law" in proposed.catalogue().effects
-    assert models.steps_in(proposed, "sleeve") == 2
+    assert steps_in(proposed, "sleeve") == 2
     done = [line.partition("  ")[2].split()[0] for line in proposed.commands_path("sleeve").read_text().splitlines()]
     assert done == ["cat", "cp"], "the log leads to the model as it is"
     assert not kept(proposed).fresh, "what is in already is not offered again"
@@ -89,7 +89,7 @@ def test_a_model_that_cannot_be_read_leaves_everything_as_it_was(proposed: Studi
     with pytest.raises(UserError, match="not a knitbench model"):
         proposed_law.take(proposed, "sleeve", kept(proposed))
     assert not proposed.effects_path.exists()
-    assert models.steps_in(proposed, "sleeve") == 1
+    assert steps_in(proposed, "sleeve") == 1
 
 
 @pytest.mark.parametrize("name", ["../evil", "a b", ""])

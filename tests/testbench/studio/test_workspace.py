@@ -115,7 +115,7 @@ def test_the_longest_name_can_be_made_deleted_and_brought_back(studio: Studio) -
     folder = studio.workspace.free_name(name)
     shutil.copytree(studio.workspace.root / "sleeve", folder)
     studio.make_results(f"model:{name}")
-    studio.workspace.restore(studio.workspace.delete(name))
+    studio.deleted.restore(studio.deleted.add(name))
     assert studio.workspace.campaign(name).folder == folder
 
 

@@ -15,8 +15,8 @@ from testbench.report.figures.alignment_figures import alignment
 from testbench.report.words import clocks_in_words
 from testbench.studio.memory import stamp
 from testbench.studio.parts.address import Address, span_of
-from testbench.studio.parts.job_card import open_campaign_of, start_in
-from testbench.studio.parts.picture import zooming_plot
+from testbench.studio.parts.picture import ZoomingPlot
+from testbench.studio.parts.starting import open_campaign_of, start_in
 from testbench.studio.parts.widgets import aside, attempt, campaign_head, facts, guarded, subheading, working
 from testbench.studio.studio import Studio
 
@@ -51,7 +51,7 @@ async def page(studio: Studio, c: str = "", start: str = "", end: str = "") -> N
     drawn = partial(alignment, on_plan.time_s, on_plan[DISPLACEMENT] - found.offset_mm, on_plan[PLANNED])
     caption = "Both motions on the plan's clock, and what is left between them. Drag to zoom both rows."
     where = Address("/align", c=c, start=start, end=end)
-    zooming_plot(drawn, caption, on_plan.time_s, span_of(start, end), where.note_span)
+    ZoomingPlot(drawn, caption, on_plan.time_s, span_of(start, end), where.note_span)
     _keep(studio, c)
 
 

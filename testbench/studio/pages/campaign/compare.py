@@ -23,11 +23,12 @@ from testbench.report.words import PANEL_UNITS
 from testbench.report.worst_places import Spot, noise_reached, why_no_place
 from testbench.studio.beside import Beside, beside_choices, beside_of, side_by_side
 from testbench.studio.memory import stamp
-from testbench.studio.models import LAST_THIRD, PLAY, add_fit_form, has_model, held_out_of, model_path, refit_instead
+from testbench.studio.models import LAST_THIRD, has_model, held_out_of, judged_on, model_path
+from testbench.studio.pages.campaign.fit_form import PLAY, add_fit_form, refit_instead
 from testbench.studio.parts.address import Address, address, span_of
-from testbench.studio.parts.picture import Span, ZoomingPlot, plot, zooming_plot
+from testbench.studio.parts.picture import Span, ZoomingPlot, plot
 from testbench.studio.parts.widgets import (
-    RESISTANCE,
+    KOHM,
     aside,
     campaign_head,
     facts,
@@ -79,7 +80,7 @@ async def page(
         trouble(str(error))
         add_fit_form(studio, c, again=True)
         return
-    on = on or (c if held == LAST_THIRD else held)
+    on = on or judged_on(studio, c)
     where = Address("/compare", c=c, on=on, show=show, start=start, end=end, beside=beside)
     _choose(studio, c, on, where, held)
     try:
@@ -88,17 +89,14 @@ async def page(
         if await refit_instead(studio, c):
             return
         raise
-    shown = view.both.in_resistance() if show == RESISTANCE else view.both
+    shown = view.both.in_resistance() if show == KOHM else view.both
     facts(_errors(view, shown))
     for note in view.notes:
         trouble(note)
     holder = ui.column().classes("w-full")
-    caption = (
-        "Measured and modelled; under each the residual, measured minus modelled; grey: twice the noise floor. "
-        "Drag to zoom all rows."
-    )
+    caption = f"{figures.OVERLAY_CAPTION} Drag to zoom all rows."
     opened: Span = asked if asked[0] is not None or not view.spots else view.spots[0].span_s
-    seen = zooming_plot(partial(figures.overlay, shown), caption, shown.time_s, opened, where.note_span)
+    seen = ZoomingPlot(partial(figures.overlay, shown), caption, shown.time_s, opened, where.note_span)
     with holder:
         _worst(view, seen)
     later(partial(_below, view, shown))
@@ -113,8 +111,7 @@ def _below(view: View, shown: Overlay) -> None:
         table(view.parameters.head, view.parameters.rows, view.parameters.caption)
     plot(residual_figures.heat_maps(shown), "Orange where the model is too low, blue where it is too high.")
     for channel in shown.measured:
-        caption = f"Mean residual of the {channel} over each coordinate, with two standard errors."
-        plot(residual_figures.profiles(view.maps[channel], channel), caption)
+        plot(residual_figures.profiles(view.maps[channel], channel), residual_figures.profiles_caption(channel))
 
 
 def _anew(studio: Studio, c: str) -> None:
@@ -210,10 +207,10 @@ def _notes(studio: Studio, c: str, found: ComparisonResult) -> list[str]:
 def _kohm_error(both: Overlay, label: str, counts: np.ndarray, free_offset: bool) -> dict[str, float]:
     """RMS error of one model's resistance in kΩ; empty where none was measured."""
     view = both.in_resistance()
-    if RESISTANCE not in view.measured:
+    if KOHM not in view.measured:
         return {}
-    residual = view.residual(RESISTANCE, label)[counts]
-    return {RESISTANCE: float(np.std(residual) if free_offset else np.sqrt(np.mean(residual**2)))}
+    residual = view.residual(KOHM, label)[counts]
+    return {KOHM: float(np.std(residual) if free_offset else np.sqrt(np.mean(residual**2)))}
 
 
 def _parameters(file: ModelFile, label: str, second: Beside | None) -> Table | None:
@@ -228,7 +225,7 @@ def _errors(view: View, shown: Overlay) -> list[tuple[str, str]]:
     channels = view.comparison["channels"]
     pairs = []
     for channel in shown.measured:
-        fitted = "conductance" if channel == RESISTANCE else channel
+        fitted = "conductance" if channel == KOHM else channel
         for label, rms in reversed(list(view.rms.items())):
             whose = f" ({label})" if len(view.rms) > 1 else ""
             pairs.append((f"RMS error of the {channel}{whose}", f"{plain(rms[channel])} {PANEL_UNITS[channel]}"))

@@ -18,15 +18,14 @@ from testbench.report.sections import short_name
 from testbench.results.result_files import read_score
 from testbench.studio.jobs.job import Job, State
 from testbench.studio.lasting import lasts_s
-from testbench.studio.models import companions, join_running, run_in_turn
+from testbench.studio.models import companions
 from testbench.studio.parts.address import address
-from testbench.studio.parts.job_card import start_in
 from testbench.studio.parts.picture import plot
+from testbench.studio.parts.starting import join_running, run_in_turn, start_in
 from testbench.studio.parts.widgets import attempt, campaign_head, download_button, facts, guarded, later, subheading
 from testbench.studio.studio import Studio
 from testbench.studio.workspace import RESULTS
 
-TARGETS = {"force": "force", "displacement": "displacement"}
 NEEDED = {"force": {RESISTANCE, FORCE}, "displacement": {RESISTANCE, DISPLACEMENT}}
 AUTO, TUNED = "auto", "tuned"
 # What the slowest filter of a method remembers at most: `compensation score` refuses a recording that ends before.
@@ -46,8 +45,8 @@ def page(studio: Studio, c: str = "", target: str = "force") -> None:
     """Training form, and the last score for `target`."""
     campaign_head(c, "/compensate")
     studio.workspace.campaign(c)
-    if target not in TARGETS:
-        raise UserError(f"the target must be one of {', '.join(TARGETS)}, got {target!r}")
+    if target not in NEEDED:
+        raise UserError(f"the target must be one of {', '.join(NEEDED)}, got {target!r}")
     _form(studio, c, target)
     kept, score = compensator_path(studio, c, target), score_path(studio, c, target)
     if score.is_file():
@@ -87,7 +86,7 @@ def _form(studio: Studio, c: str, target: str) -> None:
             "Train on this campaign", "A bank of exponential smoothers and small networks learn from it alone."
         )
         with ui.row().classes("items-center"):
-            aim = ui.select(TARGETS, value=target, label="Predict").props("outlined dense").style("width:150px")
+            aim = ui.select(list(NEEDED), value=target, label="Predict").props("outlined dense").style("width:150px")
             network = ui.select(NETWORKS, value=AUTO, label="Method").props("outlined dense").style("width:280px")
             judging = _Judging(studio, c, target)
             network.on_value_change(lambda event: judging.offer(event.value))
@@ -103,10 +102,8 @@ def _form(studio: Studio, c: str, target: str) -> None:
             argv = ["compensation", "train", str(studio.workspace.campaign(c).folder), "--target", target]
             argv += ["--method" if network.value in (AUTO, TUNED) else "--hidden", network.value]
             argv += ["-o", str(compensator_path(studio, c, target))]
-            commands = [
-                (f"Training on {c}", argv),
-                ("Scoring", _scoring(studio, c, target, list(judging.field.value))),
-            ]
+            scoring = _scoring(studio, c, target, list(judging.field.value))
+            commands = [(f"Training on {c}", argv), ("Scoring", scoring)]
             run_in_turn(studio, key, commands, holder, ui.navigate.reload)
 
         ui.button("Train", icon="model_training", on_click=lambda: attempt(start)).props("unelevated")
@@ -180,11 +177,7 @@ def _downloads(studio: Studio, c: str, target: str) -> None:
 def _show(score: Mapping[str, Any], target: str) -> None:
     rows = score["recordings"]
     names = [short_name(row["source"]) for row in rows]
-    plot(
-        figures.before_and_after(rows, names, target),
-        "r² before and after compensation (1 is perfect); whiskers: 95 % intervals over blocks of up to 60 s; "
-        "dotted: the means that the paper reports for its two knits.",
-    )
+    plot(figures.before_and_after(rows, names, target), figures.BEFORE_AND_AFTER_CAPTION)
     later(partial(_recordings, rows, names, target))
 
 

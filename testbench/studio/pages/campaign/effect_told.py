@@ -33,12 +33,12 @@ def effect_told(diagnosis: Mapping[str, Any], entry: Mapping[str, Any], catalogu
         subheading("Its values", "As fitted with it in the model.")
         table(found.head, found.rows, found.caption)
     elif entry["start"]:
-        subheading("Its values", "As weighed; adding it fits them.")
-        table(("Parameter", "Value", "Allowed range", "What it is"), weighed_rows(effect, entry["start"]))
+        subheading("Its values", "Where a fit would begin; adding the effect fits them to this recording.")
+        table(("Parameter", "Value", "Allowed range", "What it is"), start_rows(effect, entry["start"]))
 
 
-def weighed_rows(effect: type[Effect], values: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
-    """The numbers that a candidate was weighed with; they have no errors yet."""
+def start_rows(effect: type[Effect], values: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
+    """The numbers of a candidate that was not fitted; they have no errors."""
     rows = []
     for key, field in effect.model_fields.items():
         value = values.get(key)

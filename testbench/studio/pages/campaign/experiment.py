@@ -15,10 +15,11 @@ from testbench.report.figures import experiment_figures as figures
 from testbench.report.words import experiment_in_words
 from testbench.results.result_files import read_diagnosis, read_experiment
 from testbench.studio import models
-from testbench.studio.pages.plan import PROGRAMS, program_downloads
+from testbench.studio.pages.plan import program_downloads
 from testbench.studio.parts.address import Address, address
 from testbench.studio.parts.fields import asked, check, keep_in, number_field, typed
 from testbench.studio.parts.picture import plot
+from testbench.studio.parts.starting import join_running, run_in_turn
 from testbench.studio.parts.widgets import aside, attempt, campaign_head, guarded, subheading, trouble, way_on
 from testbench.studio.studio import Studio
 
@@ -33,7 +34,7 @@ async def page(
     known = models.diagnosis_path(studio, c)
     if not known.is_file():
         raise UserError(f"{c} has no diagnosis yet; ask what is missing first, on the tab Missing effect")
-    diagnosis = read_diagnosis(str(known))
+    diagnosis = read_diagnosis(known)
     limits = {"strain": strain, "minutes": minutes, "speed": speed, "acceleration": acceleration}
     if not models.is_fresh(studio, c, diagnosis):
         trouble(
@@ -98,10 +99,10 @@ def _ask(studio: Studio, c: str, diagnosis: Mapping[str, Any], where: Address) -
             experiment_path(studio, c).unlink(missing_ok=True)  # it may be of another diagnosis
             copy_file(models.diagnosis_path(studio, c), asked_path(studio, c))
         title = f"Looking for the motion that tells {' from '.join(rivals_of(diagnosis))}"
-        models.run_in_turn(studio, key, [(title, argv)], holder, ui.navigate.reload)
+        run_in_turn(studio, key, [(title, argv)], holder, ui.navigate.reload)
 
     button.on_click(lambda: attempt(start))
-    models.join_running(studio, key, holder, ui.navigate.reload)
+    join_running(studio, key, holder, ui.navigate.reload)
 
 
 def _command(studio: Studio, c: str, limits: Mapping[str, str]) -> list[str]:
@@ -111,13 +112,13 @@ def _command(studio: Studio, c: str, limits: Mapping[str, str]) -> list[str]:
     for option, value in limits.items():
         argv += [option, value]
     argv += ["--json", str(experiment_path(studio, c))]
-    return [*argv, "-o", str(studio.workspace.root / PROGRAMS / program_name(c))]
+    return [*argv, "-o", str(studio.workspace.program(program_name(c)))]
 
 
 async def _answer(studio: Studio, c: str, found: Mapping[str, Any]) -> None:
     from gcode.trajectories.trajectory import read_csv
 
-    folder = studio.workspace.root / PROGRAMS / program_name(c)
+    folder = studio.workspace.program(program_name(c))
     ui.label(experiment_in_words(found)).classes("verdict")
     with ui.row():
         program_downloads(folder, program_name(c))

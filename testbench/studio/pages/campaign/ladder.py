@@ -23,11 +23,14 @@ from testbench.report.words import PANEL_UNITS, ladder_notes, verdict_in_words
 from testbench.results.model_file import ModelFile
 from testbench.results.result_files import read_diagnosis
 from testbench.studio import models
+from testbench.studio.pages.campaign.compensate import score_path
+from testbench.studio.pages.campaign.fit_form import add_fit_form, refit_instead
 from testbench.studio.parts.address import Address, address
 from testbench.studio.parts.fields import asked
 from testbench.studio.parts.picture import plot
+from testbench.studio.parts.starting import join_running, run_in_turn
 from testbench.studio.parts.widgets import (
-    RESISTANCE,
+    KOHM,
     aside,
     attempt,
     campaign_head,
@@ -50,14 +53,14 @@ async def page(studio: Studio, c: str = "", step: str = "", show: str = "") -> N
     """The ladder of campaign `c`, looked at on `step`."""
     campaign_head(c, "/ladder", show)
     if not models.has_model(studio, c):
-        models.add_fit_form(studio, c)
+        add_fit_form(studio, c)
         return
     where = Address("/ladder", c=c, step=step, show=show)
     looked_at = asked(where, "step", None)
     try:
         ladder = await aside(_Ladder, studio, c, where)
     except UserError:
-        if await models.refit_instead(studio, c):
+        if await refit_instead(studio, c):
             return
         raise
     await ladder.build(-1 if looked_at is None else int(looked_at))
@@ -68,22 +71,18 @@ class _Ladder:
 
     def __init__(self, studio: Studio, c: str, where: Address) -> None:
         from testbench.comparing.judged import held_samples
-        from testbench.comparing.numbers import over_noise
         from testbench.report.overlays import steps_in_resistance, steps_of, zero_in_words
         from testbench.results.model_file import load_model_file
 
         self.studio, self.c, self.where = studio, c, where
-        self.kohm = where.query["show"] == RESISTANCE
+        self.kohm = where.query["show"] == KOHM
         catalogue = studio.catalogue()
         self.file: ModelFile = load_model_file(models.model_path(studio, c), catalogue)
         other = models.held_out_recording(studio, c)
         self.judged = held_samples(self.file, studio.workspace.recording(c), other)
         self.steps, self.zero = steps_of(self.file.history), zero_in_words(self.file)
         # How far above the noise is told of what was fitted, which is ln G where the resistance is shown.
-        self.over_noise = [
-            {channel: over_noise(error, step.noise_floor[channel]) for channel, error in step.errors.items()}
-            for step in self.steps
-        ]
+        self.over_noise = [step.over_noise for step in self.steps]
         if self.kohm:
             self.steps = steps_in_resistance(self.file, catalogue, self.judged)
 
@@ -93,22 +92,16 @@ class _Ladder:
         step = last if not 0 <= step <= last else step
         quantity_toggle(self.where)
         self.facts = ui.column().classes("w-full")
-        self.ladder = plot(
-            figures.ladder(self.steps, step),
-            "Error on the held-out samples, which no fit has seen, after each step; dashed: the noise floor, the "
-            "least that any model can reach.",
-        )
+        self.ladder = plot(figures.ladder(self.steps, step), figures.LADDER_CAPTION)
         for note in (*ladder_notes(step.label for step in self.steps), self.zero):
             if note:
                 ui.label(note).classes("quiet text-sm")
         self._slider(step, last)
         self._tell(step)
         self._buttons(last)
-        self.glance = plot(
-            await aside(self._glance, step), "A minute of held-out samples, where the first model is worst."
-        )
-        for step, path in models.kept_diagnoses(self.studio, self.c).items():
-            self._why(step, read_diagnosis(str(path)))
+        self.glance = plot(await aside(self._glance, step), figures.GLANCE_CAPTION)
+        for led_to, path in models.kept_diagnoses(self.studio, self.c).items():
+            self._why(led_to, read_diagnosis(path))
         parameters = parameter_table(self.file.fit, self.file.model)
         if parameters:
             subheading("The model's parameters", "After the last step; what speaks against a value stands beside it.")
@@ -116,15 +109,11 @@ class _Ladder:
 
     def _slider(self, step: int, last: int) -> None:
         with ui.column().classes("card gap-1"):
-            under = "Move along the steps; the pictures follow."
-            subheading(
-                "Through the history", under if last else "One step so far. Ask what is missing to find the next."
-            )
-            self.slider = ui.slider(min=0, max=max(last, 1), step=1, value=step).props(
-                "label snap markers aria-label='Step of the ladder'"
-            )
-            self.slider.set_enabled(last > 0)
-        self.slider.on_value_change(lambda event: self._go(int(event.value)))
+            alone = "One step so far. Ask what is missing to find the next."
+            subheading("Through the history", "Move along the steps; the pictures follow." if last else alone)
+            slider = ui.slider(min=0, max=max(last, 1), step=1, value=step)
+            slider.props("label snap markers aria-label='Step of the ladder'").set_enabled(last > 0)
+        slider.on_value_change(lambda event: self._go(int(event.value)))
 
     def _why(self, step: int, diagnosis: Mapping[str, Any]) -> None:
         """The diagnosis that led to a step, as it was then."""
@@ -137,9 +126,7 @@ class _Ladder:
 
     def _tell(self, step: int) -> None:
         chosen = self.steps[step]
-        pairs = [
-            ("this step" if step else "the first model", spoken(chosen.label)),
-        ]
+        pairs = [("this step" if step else "the first model", spoken(chosen.label))]
         pairs += [
             (f"held-out {channel}", f"{plain(error)} {PANEL_UNITS[channel]}")
             for channel, error in chosen.errors.items()
@@ -182,16 +169,15 @@ class _Ladder:
         holder = ui.column().classes("w-full")
         with holder:
             self._written()
-        models.join_running(self.studio, f"report:{self.c}", holder, partial(self._link_to_it, holder))
-        models.join_running(self.studio, f"model:{self.c}", holder, ui.navigate.reload)
+        join_running(self.studio, f"report:{self.c}", holder, partial(self._link_to_it, holder))
+        join_running(self.studio, f"model:{self.c}", holder, ui.navigate.reload)
         with ui.row():
             undo = ui.button("Undo the last step", icon="undo", on_click=lambda: attempt(lambda: self._undo(holder)))
             undo.props("outline").set_enabled(last > 0)
             way_on("What is missing now?", "search", address("/missing", c=self.c))
             report = ui.button("Report", icon="description", on_click=lambda: attempt(lambda: self._report(holder)))
             report.props("outline")
-            path = models.model_path(self.studio, self.c)
-            download_button("Model as JSON", path)
+            download_button("Model as JSON", models.model_path(self.studio, self.c))
 
     def _written(self) -> None:
         """The report that was written last, where there is one."""
@@ -210,8 +196,7 @@ class _Ladder:
         models.change_model(self.studio, self.c, [command], holder, ui.navigate.reload)
 
     def _report(self, holder: ui.column) -> None:
-        folder = self.studio.workspace.results(self.c)
-        output = folder / REPORT
+        output = self.studio.workspace.results(self.c) / REPORT
         argv = ["testbench", "report", "--recording", str(self.studio.workspace.campaign(self.c).folder)]
         argv += models.same_held_out(self.studio, self.c)
         argv += ["--model", str(models.model_path(self.studio, self.c)), *self.studio.effects_arguments()]
@@ -220,10 +205,10 @@ class _Ladder:
         if models.is_fresh(self.studio, self.c):
             argv += ["--diagnosis", str(models.diagnosis_path(self.studio, self.c))]
         argv += ["--resistance"] * self.kohm
-        argv += _if_there("--compensator", folder / "force.score.json")
+        argv += _if_there("--compensator", score_path(self.studio, self.c, "force"))
         argv += _if_there("--commands", self.studio.commands_path(self.c))
         command = (f"Writing the report of {self.c}", [*argv, "-o", str(output)])
-        models.run_in_turn(self.studio, f"report:{self.c}", [command], holder, partial(self._link_to_it, holder))
+        run_in_turn(self.studio, f"report:{self.c}", [command], holder, partial(self._link_to_it, holder))
 
     def _link_to_it(self, holder: ui.column) -> None:
         with holder:

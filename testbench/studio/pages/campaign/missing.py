@@ -22,10 +22,12 @@ from testbench.results.result_files import read_diagnosis
 from testbench.studio import models
 from testbench.studio.memory import stamp
 from testbench.studio.pages.campaign.effect_told import effect_told
+from testbench.studio.pages.campaign.fit_form import add_fit_form
 from testbench.studio.parts.address import Address, address, span_of
-from testbench.studio.parts.picture import Span, plot, zooming_plot
+from testbench.studio.parts.picture import Span, ZoomingPlot, plot
+from testbench.studio.parts.starting import join_running, run_in_turn
 from testbench.studio.parts.widgets import (
-    RESISTANCE,
+    KOHM,
     aside,
     attempt,
     campaign_head,
@@ -50,12 +52,12 @@ async def page(studio: Studio, c: str = "", pick: str = "", show: str = "", star
     """The diagnosis of campaign `c`; `pick` is the candidate that is looked at, from `start` to `end` in seconds."""
     campaign_head(c, "/missing", show)
     if not models.has_model(studio, c):
-        models.add_fit_form(studio, c)
+        add_fit_form(studio, c)
         return
     path = models.diagnosis_path(studio, c)
     _ask(studio, c, known=path.is_file())
     if path.is_file():
-        diagnosis = read_diagnosis(str(path))
+        diagnosis = read_diagnosis(path)
         if not models.is_fresh(studio, c, diagnosis):
             trouble("The model has changed since this diagnosis.", "Ask again to see what is missing now.")
         await _answer(studio, diagnosis, Address("/missing", c=c, pick=pick, show=show, start=start, end=end))
@@ -70,12 +72,12 @@ def _ask(studio: Studio, c: str, known: bool) -> None:
         argv += models.same_held_out(studio, c)
         argv += ["--json", str(models.diagnosis_path(studio, c)), "-o", str(models.diagnosed_path(studio, c))]
         command = (f"Looking for what is missing in {c}", argv)
-        models.run_in_turn(studio, key, [command], holder, ui.navigate.reload)
+        run_in_turn(studio, key, [command], holder, ui.navigate.reload)
 
     button = ui.button("Ask again" if known else "Find what is missing", icon="search")
     button.on_click(lambda: attempt(start)).props("outline" if known else "unelevated")
     holder = ui.column().classes("w-full")
-    models.join_running(studio, key, holder, ui.navigate.reload)
+    join_running(studio, key, holder, ui.navigate.reload)
 
 
 async def _answer(studio: Studio, diagnosis: Mapping[str, Any], where: Address) -> None:
@@ -98,11 +100,7 @@ async def _answer(studio: Studio, diagnosis: Mapping[str, Any], where: Address) 
             way_on("Propose a law", "auto_awesome", address("/propose", c=c), look)
     if not ranking:
         return
-    plot(
-        figures.candidates(diagnosis),
-        "What a refit with each effect takes off the error on samples that no fit has seen, with the 95 % interval "
-        "over blocks of up to 60 s. In brackets: how probable it is that this effect is what is missing most.",
-    )
+    plot(figures.candidates(diagnosis), figures.CANDIDATES_CAPTION)
     chosen = next((entry for entry in ranking if entry["law"] == pick), ranking[0])
     candidates = _Candidates(studio, diagnosis, where)
     candidates.adopting()
@@ -184,7 +182,7 @@ class _Candidates:
         if self.where.query["pick"] != entry["law"]:
             return  # another one has been chosen meanwhile
         found = shown.contribution
-        if self.where.query["show"] == RESISTANCE and shown.ln_S is not None:
+        if self.where.query["show"] == KOHM and shown.ln_S is not None:
             found = contribution_kohm(found, shown.ln_S)
         self.detail.clear()
         with self.detail:
@@ -203,7 +201,7 @@ class _Candidates:
                 "this effect would add."
             )
             drawn = partial(figures.prediction, found.time_s, found.residual, found.added)
-            zooming_plot(drawn, caption, found.time_s, self.span, self._zoomed)
+            ZoomingPlot(drawn, caption, found.time_s, self.span, self._zoomed)
             caption = "An effect that is really there predicts its own size: its points lie on the dashed line."
             plot(figures.slope(found.residual, found.added), caption)
             effect_told(self.diagnosis, entry, self.studio.catalogue())
@@ -215,7 +213,7 @@ class _Candidates:
     def _predicted(self, entry: Mapping[str, Any]) -> ContributionResult:
         studio, c = self.studio, self.c
         files = stamp(models.diagnosis_path(studio, c), models.model_path(studio, c), studio.effects_file)
-        make = partial(predicted, studio, c, self.diagnosis, entry)
+        make = partial(contribution_of, studio, c, self.diagnosis, entry)
         return studio.memory.recall(("predicted", c, entry["law"], files), make)
 
     def _add(self, entry: Mapping[str, Any]) -> None:
@@ -244,7 +242,9 @@ class _Candidates:
         return own.is_file() and models.is_fresh(self.studio, self.c, self.diagnosis)
 
 
-def predicted(studio: Studio, c: str, diagnosis: Mapping[str, Any], entry: Mapping[str, Any]) -> ContributionResult:
+def contribution_of(
+    studio: Studio, c: str, diagnosis: Mapping[str, Any], entry: Mapping[str, Any]
+) -> ContributionResult:
     """What a candidate looks like in data, and what it would add on the held-out samples.
 
     Raises

@@ -13,9 +13,11 @@ from testbench.report.formula import formula_svg, lines_of
 from testbench.report.words import PANEL_UNITS
 from testbench.results.model_file import about_model
 from testbench.studio import models, proposed_law
+from testbench.studio.pages.campaign.fit_form import add_fit_form
 from testbench.studio.pages.campaign.ladder import report_url
 from testbench.studio.parts.address import address
 from testbench.studio.parts.fields import check, number_field
+from testbench.studio.parts.starting import join_running, run_in_turn
 from testbench.studio.parts.widgets import (
     aside,
     attempt,
@@ -33,7 +35,7 @@ MOST_ASKED = 4
 SHOWN = 4
 VERDICTS = {
     "nothing_left": "Nothing is left above the noise, so no law is proposed.",
-    "no_law": "No law is proposed: none of the library explains what is left.",
+    "no_law": "No law is proposed: no law of the library explains what is left.",
     "does_not_hold": "No law is proposed: what was found does not hold on the held-out samples.",
 }
 
@@ -43,7 +45,7 @@ async def page(studio: Studio, c: str = "") -> None:
     """The law that campaign `c` lacks."""
     campaign_head(c, "/missing")
     if not models.has_model(studio, c):
-        models.add_fit_form(studio, c)
+        add_fit_form(studio, c)
         return
     _ask(studio, c)
     kept = await aside(proposed_law.kept_proposal, studio, c)
@@ -73,10 +75,10 @@ def _ask(studio: Studio, c: str) -> None:
         with holder, working("Reading the library of laws"):
             wanted = (name.value or "").strip(), int(most.value)
             command = await aside(proposed_law.propose_command, studio, c, *wanted)
-        models.run_in_turn(studio, key, [command], holder, ui.navigate.reload)
+        run_in_turn(studio, key, [command], holder, ui.navigate.reload)
 
     button.on_click(lambda: attempt(start))
-    models.join_running(studio, key, holder, ui.navigate.reload)
+    join_running(studio, key, holder, ui.navigate.reload)
 
 
 async def _answer(studio: Studio, c: str, kept: proposed_law.Kept) -> None:
@@ -187,8 +189,9 @@ def _value(law: proposed_law.FoundLaw, key: str, errors: Mapping[str, float]) ->
 
 def _evidence(law: proposed_law.FoundLaw) -> str:
     return (
-        f"± is one standard error. Log evidence {law.log_evidence:+.1f} nats over the model without it; it gains in "
-        f"{percent(law.gains_in)} of the resampled recordings and is the best in {percent(law.best_in)}."
+        f"± is one standard error. The recordings speak for it with {law.log_evidence:+.1f} nats of log evidence "
+        "over the model without it (a nat is a factor of 2.7 in the odds). Where they were resampled, it still gains "
+        f"in {percent(law.gains_in)} of the cases and is the best law in {percent(law.best_in)}."
     )
 
 

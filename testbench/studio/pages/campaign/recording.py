@@ -4,24 +4,23 @@ from __future__ import annotations
 
 import contextlib
 from functools import partial
-from pathlib import Path
 
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.recordings.channels import DISPLACEMENT
-from testbench.recordings.channels import RESISTANCE as RESISTANCE_CHANNEL
+from testbench.recordings.channels import RESISTANCE
 from testbench.recordings.manifest import CSV, IN_PROGRESS
 from testbench.recordings.recording import Recording
 from testbench.report.figures import recording_figures as figures
-from testbench.studio.models import LAST_THIRD, has_model, held_out_of
+from testbench.studio.models import has_model, judged_on
+from testbench.studio.pages.campaign.align import program_of
 from testbench.studio.pages.campaign.compare import view_of
 from testbench.studio.parts.address import Address, address, span_of
 from testbench.studio.parts.origin import provenance
-from testbench.studio.parts.picture import plot, zooming_plot
+from testbench.studio.parts.picture import ZoomingPlot, plot
 from testbench.studio.parts.unfinished import is_under_way, is_unfinished, under_way_card, unfinished_card
 from testbench.studio.parts.widgets import (
-    RESISTANCE,
+    KOHM,
     aside,
     campaign_head,
     download_button,
@@ -33,6 +32,7 @@ from testbench.studio.parts.widgets import (
     way_on,
 )
 from testbench.studio.studio import Studio
+from testbench.studio.workspace import Campaign
 
 
 @guarded
@@ -51,36 +51,33 @@ async def page(studio: Studio, c: str = "", show: str = "", start: str = "", end
         trouble("This campaign does not agree with its manifest: " + "; ".join(problems), remedy)
         return
     recording = await aside(studio.workspace.recording, c)
-    kohm = show == RESISTANCE
+    kohm = show == KOHM
     facts(figures.summary(recording, kohm))
-    if recording.has(RESISTANCE_CHANNEL):
+    if recording.has(RESISTANCE):
         quantity_toggle(where)
     caption = "Drag to zoom; double-click to see all again. A zoom draws every sample of its stretch."
     drawn = partial(figures.time_series, recording, resistance=kohm)
-    zooming_plot(drawn, caption, recording.time_s, span_of(start, end), where.note_span)
-    path = studio.workspace.campaign(c).folder / CSV
-    later(partial(_below, c, recording, path, kohm))
+    ZoomingPlot(drawn, caption, recording.time_s, span_of(start, end), where.note_span)
+    later(partial(_below, studio, campaign, recording, kohm))
     later(partial(provenance, studio, c))
     later(partial(_prepare, studio, c))
 
 
-def _below(c: str, recording: Recording, path: Path, kohm: bool) -> None:
+def _below(studio: Studio, campaign: Campaign, recording: Recording, kohm: bool) -> None:
     loops = figures.hysteresis_loops(recording, kohm)
     if loops:
         plot(loops, figures.loops_caption(recording))
-    rate = f"; the speed is taken at {figures.speed_rate_hz(recording):.3g} Hz" if recording.has(DISPLACEMENT) else ""
     shares = figures.distributions(recording, kohm)
     if shares:
-        plot(shares, f"How often each value occurred{rate}.")
+        plot(shares, figures.distributions_caption(recording))
     with ui.row():
-        download_button("Download CSV", path, f"{path.parent.name}.csv")
-        if path.with_name("program.tap").is_file():
-            way_on("Compare with the plan", "compare_arrows", address("/align", c=c), "outline")
+        download_button("Download CSV", campaign.folder / CSV, f"{campaign.folder.name}.csv")
+        if program_of(studio, campaign.name).is_file():
+            way_on("Compare with the plan", "compare_arrows", address("/align", c=campaign.name), "outline")
 
 
 async def _prepare(studio: Studio, c: str) -> None:
     """Work the comparison out while the recording is looked at: it is what comes next."""
     if has_model(studio, c):
         with contextlib.suppress(UserError):  # the page of the comparison will say it
-            held = held_out_of(studio, c)
-            await aside(view_of, studio, c, c if held == LAST_THIRD else held)
+            await aside(view_of, studio, c, judged_on(studio, c))

@@ -12,7 +12,8 @@ import pytest
 from gcode.cli import main as gcode
 from testbench.studio.jobs.job import Job, State
 from testbench.studio.jobs.jobs import JobBoard
-from testbench.studio.jobs.outliving import CAUGHT_UP_BYTES, Tail
+from testbench.studio.jobs.outliving import CAUGHT_UP_BYTES
+from testbench.studio.tail import Tail
 
 RIG = "rig"
 
@@ -91,7 +92,7 @@ async def test_its_error_is_heard_and_its_code_is_known(tmp_path: Path) -> None:
 def test_a_long_log_is_caught_up_with_from_its_end(tmp_path: Path) -> None:
     path = tmp_path / "said"
     path.write_text("".join(f"line {number}\n" for number in range(100_000)))
-    tail = Tail(path)
+    tail = Tail(path, CAUGHT_UP_BYTES)
     lines = tail.fresh()
     assert lines[-1] == "line 99999"
     assert all(line.startswith("line ") for line in lines), "no torn line"

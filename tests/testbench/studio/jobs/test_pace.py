@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from testbench.commands.diagnose import CANDIDATES_OF_A_ROUND, Refits
 from testbench.studio.jobs.job import Job
-from testbench.studio.jobs.pace import Pace, Paces, Profile, duration_in_words, kind_of
+from testbench.studio.jobs.pace import Pace, Paces, Profile, about_in_words, kind_of
 from testbench.studio.parts.job_card import progress_in_words, spark_line
 
 DURATIONS = st.lists(st.floats(0.05, 20), min_size=3, max_size=60)
@@ -106,7 +106,7 @@ def test_progress_is_told_in_steps_and_time() -> None:
 
 @pytest.mark.parametrize(("seconds", "words"), [(4, "a few seconds"), (38, "about 40 s"), (170, "about 3 min")])
 def test_times_are_said_roughly(seconds: float, words: str) -> None:
-    assert duration_in_words(seconds) == words
+    assert about_in_words(seconds) == words
 
 
 def test_the_curve_says_where_it_came_from_and_where_it_is() -> None:

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import pytest
 from nicegui.testing import User
 
+from gcode.cli import main as gcode
 from gcode.support.errors import UserError
 from gcode.support.files import write_json
 from testbench.cli import main as run_testbench
@@ -62,9 +63,18 @@ async def test_a_file_that_is_gone_is_not_downloaded_in_silence(user: User, stud
     await user.should_see("Download CSV", retries=50)
     user.find("Download CSV").click()
     assert await user.download.next()
-    studio.workspace.delete("sleeve")
+    studio.deleted.add("sleeve")
     user.find("Download CSV").click()
     await user.should_see("recording.csv: this file is gone, so it cannot be downloaded")
+
+
+async def test_a_plan_whose_trajectory_is_gone_says_so(user: User, studio: Studio) -> None:
+    folder = studio.workspace.program("short")
+    motion = ["--preset", "paper-1", "--seed", "1", "--gauge-length-mm", "25", "--duration-s", "20"]
+    assert gcode(["generate", *motion, "-o", str(folder)]) == 0
+    (folder / "trajectory.csv").unlink()
+    await user.open("/plan?program=short")
+    await user.should_see("trajectory.csv: cannot read", retries=50)
 
 
 async def test_every_step_of_a_ladder_has_an_address(user: User, fitted: Studio) -> None:
@@ -106,9 +116,9 @@ async def test_own_effects_that_are_not_text_are_not_used_and_those_of_the_works
 async def test_a_campaign_holds_no_other_and_an_empty_folder_is_no_campaign(studio: Studio) -> None:
     with pytest.raises(UserError, match="sleeve is a campaign, which holds no others"):
         studio.workspace.free_name("sleeve/inner")
-    place = studio.workspace.delete("sleeve")
+    place = studio.deleted.add("sleeve")
     (studio.workspace.root / "sleeve").mkdir()
-    assert studio.workspace.restore(place) == "sleeve"
+    assert studio.deleted.restore(place) == "sleeve"
 
 
 async def test_a_campaign_that_a_job_is_about_is_not_deleted(studio: Studio, monkeypatch: pytest.MonkeyPatch) -> None:

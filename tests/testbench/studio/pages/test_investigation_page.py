@@ -49,7 +49,7 @@ async def test_the_belief_after_each_run_is_drawn_and_told(user: User, investiga
     await user.should_see("Recording of run 2")
     (drawn,) = user.find(Picture).elements
     assert drawn is not None
-    investigated.delete("knit-7/run-1")
+    investigated.deleted.add("knit-7/run-1")
     await user.open("/investigation?i=knit-7")
     await user.should_see("The recording of run 1 is gone.")
     await user.should_not_see("Recording of run 1")

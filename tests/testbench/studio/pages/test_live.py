@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from testbench.studio.live import BUCKETS, RECENT_S, Envelope, Follower
+from testbench.studio.following import BUCKETS, RECENT_S, Envelope, Follower
 from testbench.studio.pages.live import channel_of
 
 HEADER = "time_s,displacement_mm,force_N\n"

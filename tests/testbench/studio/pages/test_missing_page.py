@@ -21,7 +21,7 @@ from testbench.studio import models
 from testbench.studio.pages.campaign import missing
 from testbench.studio.parts.picture import Picture
 from testbench.studio.studio import Studio
-from tests.testbench.studio.diagnoses import refit_elsewhere, running_job, with_diagnosis
+from tests.testbench.studio.diagnoses import refit_elsewhere, running_job, steps_in, with_diagnosis
 
 pytestmark = pytest.mark.asyncio
 
@@ -207,7 +207,7 @@ async def test_steps_that_were_judged_on_other_samples_are_not_put_on_the_ladder
     refit_elsewhere(fitted)
     with pytest.raises(UserError, match="has changed since; ask again what is missing"):
         models.adopt_diagnosed(fitted, "sleeve", diagnosis)
-    assert models.steps_in(fitted, "sleeve") == 1
+    assert steps_in(fitted, "sleeve") == 1
 
 
 async def test_a_stale_tab_does_not_adopt_what_a_later_diagnosis_found(fitted: Studio) -> None:
@@ -215,7 +215,7 @@ async def test_a_stale_tab_does_not_adopt_what_a_later_diagnosis_found(fitted: S
     with_diagnosed(fitted, "creep")
     with pytest.raises(UserError, match="has changed since; ask again what is missing"):
         models.adopt_diagnosed(fitted, "sleeve", stale)
-    assert models.steps_in(fitted, "sleeve") == 1
+    assert steps_in(fitted, "sleeve") == 1
 
 
 def with_step(studio: Studio, name: str) -> None:

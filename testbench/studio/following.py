@@ -6,18 +6,15 @@ full, neighbours are merged and each new one covers twice the time.
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import numpy as np
 
 from gcode.support.arrays import FloatArray
-from gcode.support.errors import UserError
-from gcode.support.strict import open_plain
+from testbench.studio.tail import Tail
 
 RECENT_S = 60.0
 BUCKETS = 512
-READ_BYTES = 1 << 22  # at most this much in one look; the rest waits for the next
 
 
 class Follower:
@@ -34,23 +31,11 @@ class Follower:
         self.names: list[str] = []
         self.recent: FloatArray = np.empty((0, 0))
         self.envelope: Envelope | None = None
-        self._offset = 0
-        self._tail = b""
+        self._tail = Tail(path)
 
     def look(self) -> bool:
         """Take in what is new; False when nothing is."""
-        try:
-            with os.fdopen(open_plain(self.path, "recording"), "rb") as stream:
-                new = os.fstat(stream.fileno()).st_size - self._offset  # what has no size would never end
-                stream.seek(self._offset)
-                raw = stream.read(min(max(new, 0), READ_BYTES))
-        except UserError:
-            return False
-        self._offset += len(raw)
-        whole, newline, self._tail = (self._tail + raw).rpartition(b"\n")
-        if not newline:
-            return False
-        lines = whole.decode("ascii", "replace").splitlines()
+        lines = self._tail.fresh()
         if not self.names and lines:
             self.names = lines.pop(0).split(",")
         return self._take(lines)
