@@ -86,5 +86,5 @@ def _bare(value: float) -> str:
 
 
 def over_noise(error: float, floor: float) -> float:
-    """An error in noise floors; many where there is no noise."""
+    """How many noise floors an error is; a very large number where there is no noise."""
     return error / max(floor, 1e-300)

@@ -167,7 +167,8 @@ def _first_numbers(rows: Rows, after: int) -> int | None:
 
 def _longest_run(rows: Rows) -> int | None:
     """Where the longest run of rows of numbers begins; blank rows and remarks do not end it, other tables do."""
-    best, best_length, begin, length = None, 0, 0, 0
+    best: int | None = None
+    best_length, begin, length = 0, 0, 0
     for place, cells in enumerate(rows):
         if not width_of(cells):
             continue
@@ -177,10 +178,12 @@ def _longest_run(rows: Rows) -> int | None:
             begin, length = place, int(is_data(cells))
         if length > best_length:
             best, best_length = begin, length
-    above = best or 0
-    while above and _has_more_beside(rows[above - 1], rows[best or 0]):
-        above -= 1
-    return best and above
+    if best is None:
+        return None
+    first = rows[best]
+    while best and _has_more_beside(rows[best - 1], first):
+        best -= 1
+    return best
 
 
 def _has_more_beside(cells: Sequence[str], first: Sequence[str]) -> bool:

@@ -13,7 +13,7 @@ from testbench.fitting.evidence.likelihood import Likelihood
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class ModelComparison:
     """The model so far, against the same with a law put in.
 
     Attributes

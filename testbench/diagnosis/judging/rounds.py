@@ -16,7 +16,7 @@ Verdict = Literal["missing", "nothing_missing", "unknown"]
 
 @dataclass(frozen=True, eq=False)
 class Round(Weighing):
-    """One step of the search, weighed; see `Comparison` and `Weighing` for what it has."""
+    """One step of the search, weighed; see `ModelComparison` and `Weighing` for what it has."""
 
     @cached_property
     def goes_in(self) -> Entry | None:

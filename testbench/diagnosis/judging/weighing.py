@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from scipy.special import logsumexp
 
-from testbench.diagnosis.judging.comparison import Comparison
+from testbench.diagnosis.judging.comparison import ModelComparison
 from testbench.diagnosis.judging.entries import Entry, Proposal, Whole
 from testbench.diagnosis.judging.probabilities import (
     NOTHING,
@@ -28,7 +28,7 @@ EITHER = -float(np.log(2))  # log prior of each of two that are as likely
 
 
 @dataclass(frozen=True, eq=False)
-class Weighing(Comparison):
+class Weighing(ModelComparison):
     """The hypotheses of one round: nothing is missing, a mechanism is, or something that no law describes.
 
     Attributes
