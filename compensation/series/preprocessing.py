@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
+from testbench.recordings.doubts import slow
 from testbench.recordings.recording import Recording, recorded_duration_s
 
 TARGETS = {"force": (FORCE, "N"), "displacement": (DISPLACEMENT, "mm")}
@@ -66,7 +67,7 @@ def series_of(recording: Recording, target: str, rate_hz: float | None) -> Serie
     Raises
     ------
     UserError
-        If a channel is missing, constant, or the recording is too short.
+        If a channel is missing or constant, or the recording is too short, or too slow to be put on a grid.
     """
     channel = _present(recording, target)
     duration_s = recorded_duration_s(recording.time_s)
@@ -74,6 +75,8 @@ def series_of(recording: Recording, target: str, rate_hz: float | None) -> Serie
         raise UserError(
             f"{recording.source}: {duration_s:.1f} s long; a compensator needs at least {SHORTEST_RECORDING_S:.0f} s"
         )
+    if rate_hz is not None and (said := slow(recording)):
+        raise UserError(f"{recording.source}: {said} At {rate_hz:g} Hz nearly all of it would be straight lines")
     series = sampled(recording, channel, rate_hz)
     for name, values in ((RESISTANCE, series.conductance_S), (channel, series.truth)):
         if stands_still(values):
