@@ -54,6 +54,16 @@ def test_noise_of_a_few_steps_is_known_closer_than_to_a_step(noise_in_steps) -> 
     assert found == pytest.approx(np.hypot(noise_in_steps, 12**-0.5), rel=0.08)
 
 
+@pytest.mark.parametrize("largest", [300.0, 1000.0, 3000.0])
+def test_a_step_is_no_larger_where_the_motion_passes_over_most_of_them(largest) -> None:
+    """The median distance of the values that occur is how far a quick motion goes from one sample to the next."""
+    time_s = np.arange(0.0, 300.0, 1 / 40)
+    noise = 0.1 * np.random.default_rng(5).standard_normal(len(time_s))
+    stepped = np.round(largest * np.sin(2 * np.pi * time_s / 7.3) + noise)
+    assert rounding(stepped) == pytest.approx(1 / 12**0.5)
+    assert noise_floor(stepped) == pytest.approx(np.hypot(0.1, 1 / 12**0.5), rel=0.3)
+
+
 def test_of_a_reading_that_knows_three_values_the_rounding_is_known() -> None:
     assert noise_floor(np.round(MOTION - 1)) == pytest.approx(12**-0.5)
 

@@ -170,6 +170,13 @@ def test_what_the_last_model_misses_most_leads_whichever_was_found_first():
     assert leading(found[:1]) == leading([]) == 0
 
 
+def test_a_map_does_not_stand_in_for_what_the_last_model_misses():
+    """One hold of 24 h was a warming room: without its relaxation, a map of the past does nearly what that did."""
+    found = [entry("stress_relaxation", 1.3, 160.0), entry("self_heating", 1.3, 160.0)]
+    without = [replace(entry("", 9.0, 20.0), log_z=139.0), entry("", 2.0, 137.0)]
+    assert leading([replace(e, without=w) for e, w in zip(found, without, strict=True)]) == 0
+
+
 def test_what_adds_nothing_keeps_no_company_for_what_adds_only_beside_others():
     """The first added next to nothing alone, and is needed beside the second; an idle one is not."""
     first, second = entry("stress_relaxation", 0.9 * BARE, 51.0), entry("clamp_slip", 1.3, 160.0)
