@@ -157,7 +157,7 @@ def rounding(values: FloatArray) -> float:
     distinct = np.unique(values)
     if not 1 < len(distinct) < 0.5 * len(values):
         return 0.0
-    step = even_step(values) or float(np.median(np.diff(distinct)))  # a quick motion passes over most of the steps
+    step = even_step(distinct) or float(np.median(np.diff(distinct)))  # a quick motion passes over most of the steps
     return step / 12**0.5
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gcode.support.errors import UserError
-from gcode.support.strict import blocks_of, check_plain, read_bytes
+from gcode.support.strict import check_plain, read_bytes
 from testbench.recordings.channels import UNITS
 from testbench.recordings.quoted import check_quotes
 
@@ -75,7 +75,7 @@ def read_frame(path: Path, growing: bool = False) -> pd.DataFrame:
     except OSError as error:
         raise UserError(f"{path}: cannot read it: {error.strerror or error}") from None
     _check_named(path, frame)
-    if any(b'"' in block for block in blocks_of(path, "recording")):
+    if _has_line_breaks(frame):
         with path.open(encoding="utf-8-sig") as stream:
             check_quotes(path, stream, ",", 1, _has_numbers)
     return frame.rename(columns=str.strip)
@@ -129,6 +129,12 @@ def _parsed(column: pd.Series) -> pd.Series:
         return pd.to_numeric(column, errors="coerce")
     except OverflowError:
         return column.map(_as_float).astype(float)
+
+
+def _has_line_breaks(frame: pd.DataFrame) -> bool:
+    """Whether some name or cell goes over several lines; a column of numbers has no such cell."""
+    texts = [frame.columns.to_series(), *(column for _, column in frame.select_dtypes(exclude="number").items())]
+    return any(column.astype(str).str.contains("\n", regex=False).any() for column in texts)
 
 
 def _has_numbers(cells: Sequence[str]) -> bool:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+from dataclasses import fields
 
 from testbench.importing.choice import FLAGS, UNIT_FLAGS
+from testbench.importing.sheet import Hints
 
 OPTION = re.compile(r"(?<![\w./\\-])--[a-z][a-z0-9-]*")  # a word of its own: a file may be called day--force.csv
-HINTS = ("separator", "decimal", "thousands", "encoding", "sheet", "header_row", "units_row")
 FIELDS = {
     "--gauge-length-mm": "gauge_length_mm=...",
     "--rate-hz": "rate_hz=...",
@@ -18,7 +19,7 @@ FIELDS = {
     "--time-of": "time_of={'force': ...}",
     "--zero": "zero={'force': ...}",
     "--negate": "negate={'force'}",
-    **{f"--{name.replace('_', '-')}": f"hints=Hints({name}=...)" for name in HINTS},
+    **{f"--{one.name.replace('_', '-')}": f"hints=Hints({one.name}=...)" for one in fields(Hints)},
     **{flag: f"columns={{{role!r}: ...}}" for role, flag in FLAGS.items()},
     **{flag: f"units={{{flag.removeprefix('--').removesuffix('-unit')!r}: ...}}" for flag in UNIT_FLAGS.values()},
 }
