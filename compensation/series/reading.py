@@ -9,7 +9,7 @@ import numpy as np
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
-from testbench.recordings.csv_columns import read_columns, read_frame
+from testbench.recordings.csv_columns import as_numbers, read_columns, read_frame
 from testbench.recordings.files import check_beside, read_recording, verified
 from testbench.recordings.recording import Recording
 
@@ -62,8 +62,6 @@ def read_samples(path: str | Path) -> tuple[FloatArray, FloatArray]:
     UserError
         If the file is missing, malformed or not the one that its manifest describes, or lacks either column.
     """
-    import pandas as pd
-
     place, growing = Path(path), False
     if place.is_dir():
         place, campaign = verified(place)
@@ -78,8 +76,7 @@ def read_samples(path: str | Path) -> tuple[FloatArray, FloatArray]:
     if frame.empty:
         raise UserError(f"{place}: no sample in it")
     time_s, resistance_ohm = (
-        pd.to_numeric(frame[name], errors="coerce").to_numpy(dtype=np.float64)
-        for name in ("time_s", "resistance_ohm")
+        as_numbers(frame[name]).to_numpy(dtype=np.float64) for name in ("time_s", "resistance_ohm")
     )
     return time_s, resistance_ohm
 

@@ -118,10 +118,10 @@ def _check_head(path: Path) -> None:
 
 def is_remark(name: str, column: pd.Series) -> bool:
     """Whether a column has no number from top to bottom (text, or a comma that ends each row); never one of ours."""
-    return str(name).strip() not in UNITS and bool(_parsed(column).isna().all())
+    return str(name).strip() not in UNITS and bool(as_numbers(column).isna().all())
 
 
-def _parsed(column: pd.Series) -> pd.Series:
+def as_numbers(column: pd.Series) -> pd.Series:
     """A column as numbers; NaN where a cell is none, or a whole number of hundreds of digits."""
     import pandas as pd
 
@@ -166,7 +166,7 @@ def _whole_lines(path: Path) -> io.BytesIO:
 
 
 def _numbers(path: Path, name: str, column) -> np.ndarray:
-    numbers = _parsed(column)
+    numbers = as_numbers(column)
     wrong = np.flatnonzero(numbers.isna() & column.notna())
     if wrong.size:
         row, came = int(wrong[0]) + 2, column.iloc[int(wrong[0])]

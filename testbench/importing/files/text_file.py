@@ -21,7 +21,7 @@ from testbench.importing.files.encodings import encoding_of, is_text, known_enco
 from testbench.importing.layout import Layout, count_numbers, find_layout, is_data, shortened
 from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
 from testbench.importing.vocabulary.notation import decimal_sign, is_number, is_when
-from testbench.recordings.csv_columns import MOST_COLUMNS, in_words
+from testbench.recordings.csv_columns import MOST_COLUMNS, as_numbers, in_words
 from testbench.recordings.quoted import check_quotes
 
 if TYPE_CHECKING:
@@ -161,18 +161,23 @@ class TextSheet(Sheet):
         import pandas as pd
 
         first, beyond = wanted[0], len(self.layout.columns) + 1
-        shifted = pd.to_numeric(frame[beyond], errors="coerce").notna()
+        shifted = as_numbers(frame[beyond]).notna()
         short = pd.Series(False, index=frame.index)
         if self._usual in frame and self._usual not in wanted:
             short = (frame[self._usual] == 0) & frame[wanted].notna().any(axis=1)
         frame = frame.astype({first: object}) if (shifted | short).any() else frame
         if shifted.any():
             too_many = f" (more than {len(self.layout.columns)} cells)"
-            frame.loc[shifted, first] = frame[shifted].astype(str).agg(self.separator.join, axis=1) + too_many
+            frame.loc[shifted, first] = _joined(frame[shifted].astype(object).fillna(""), self.separator) + too_many
         if short.any():
-            came = frame.loc[short, wanted].astype(str).agg(" ".join, axis=1).str.replace(" nan", "", regex=False)
-            frame.loc[short, first] = came + f" (fewer than {self._usual} cells)"
+            too_few = f" (fewer than {self._usual} cells)"
+            frame.loc[short, first] = _joined(frame.loc[short, wanted], " ") + too_few
         return frame[wanted]
+
+
+def _joined(rows: pd.DataFrame, separator: str) -> pd.Series:
+    """The cells of each row as one text, without those that are missing."""
+    return rows.astype(object).apply(lambda row: separator.join(map(str, row.dropna())), axis=1)
 
 
 def open_text(path: Path, wanted: Sequence[str], hints: Hints) -> TextSheet:
