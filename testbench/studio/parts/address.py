@@ -27,12 +27,13 @@ class Address:
     """
 
     def __init__(self, path: str, **query: str) -> None:
-        self.path, self.query = path, dict(query)
+        self.path, self.query, self._page = path, dict(query), ui.context.client
 
     def note(self, **chosen: str) -> None:
-        """Put what was chosen into the address, without leaving the page."""
+        """Put what was chosen into the address, without leaving the page; the field it was chosen in may be gone."""
         self.query |= chosen
-        ui.navigate.history.replace(self.with_())
+        with self._page:
+            ui.navigate.history.replace(self.with_())
 
     def note_span(self, span: tuple[float | None, float | None]) -> None:
         """Keep the stretch of time that is looked at."""
@@ -44,7 +45,8 @@ class Address:
 
     def go(self, **chosen: str) -> None:
         """Open it with something else chosen."""
-        ui.navigate.to(self.with_(**chosen))
+        with self._page:
+            ui.navigate.to(self.with_(**chosen))
 
 
 def span_of(start: str, end: str) -> tuple[float | None, float | None]:

@@ -6,9 +6,10 @@ import argparse
 import asyncio
 import json
 from pathlib import Path
+from urllib.parse import quote_plus
 
 import pytest
-from nicegui import ui
+from nicegui import Client, ui
 from nicegui.testing import User
 
 from gcode.support.errors import UserError
@@ -87,6 +88,21 @@ async def test_a_file_that_an_address_names_is_read_as_it_was_chosen(user: User,
     assert numbers(user)["Gauge length / mm"] == 40
     await user.open(address("/import", file=str(path), chosen='{"negate":["overwrite"]}'))
     await user.should_see("which the import does not know", retries=50)
+
+
+async def test_a_column_that_is_chosen_goes_into_the_address(
+    user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The page looks at the file again and draws its lists anew, the one that was chosen from, too."""
+    path, addresses = tmp_path / "plain.csv", []
+    path.write_text("".join(f"{n / 10},{n % 7},{n % 5}\n" for n in range(60)))
+    monkeypatch.setattr(Client, "run_javascript", lambda self, code, **_: addresses.append(code))
+    await user.open(address("/import", file=str(path)))
+    await user.should_see("Found: no row of names", retries=100)
+    (force,) = (box for box in _selects(user) if box.props.get("aria-label") == "Column of force")
+    force.set_value("3")
+    await user.should_see("the file does not say the unit", retries=100)
+    assert quote_plus('{"columns":{"force":"3"}}') in addresses[-1]
 
 
 async def test_thousands_show_what_becomes_of_them(user: User, tmp_path: Path) -> None:

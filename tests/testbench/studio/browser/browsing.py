@@ -20,7 +20,7 @@ from testbench.cli import main as run_testbench
 from tests.testbench.studio.served import CHROMIUM, Served, served
 
 SHOTS = Path(__file__).parents[4] / "artifacts" / "studio"
-PATIENCE_MS = 600_000  # of every wait, of a fit too: a machine may be busy
+PATIENCE_MS = 200_000  # of every wait, of a fit too: a machine may be busy
 IN_CHROMIUM = [
     pytest.mark.browser,
     pytest.mark.slow,
@@ -144,7 +144,7 @@ def _note_foreign(url: str, wrong: list[str]) -> None:
         wrong.append(f"fetched from outside: {url}")
 
 
-def until(page, holds: Callable[[], bool], patience_s: float = 600.0) -> None:
+def until(page, holds: Callable[[], bool], patience_s: float = 200.0) -> None:
     """Wait until something holds that no page shows; the page goes on meanwhile."""
     start_s = time.monotonic()
     while not holds():

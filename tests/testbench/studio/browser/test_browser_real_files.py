@@ -170,10 +170,10 @@ def test_neither_header_nor_time_needs_a_rate_and_a_resistance_to_relate_to(shar
     file = "foreign/bom-headerless-12-columns.csv"
     read(shared, page, file, Said(numbers={"Sampling rate / Hz": "100"}))
     page.get_by_text("choose its column, or those of force and resistance").wait_for()
-    for label, option in (("Column of strain", "1"), ("Unit of strain", "%"), ("Column of (r-r0)/r0", "2")):
+    for label, option in (("Column of strain", "1"), ("Unit of strain", "%"), ("Column of (R-R0)/R0", "2")):
         show(page, label)
         pick(page, label, option)
-    page.get_by_label("R0 / Ω").fill("1000")
+    page.get_by_label("Resistance at rest R0 / Ω").fill("1000")
     page.keyboard.press("Tab")
     imported(shared, page, "sleeve", 40)
     recording, wanted = arrived(shared, page, "sleeve"), raw(file, header=None, encoding="utf-8-sig")
@@ -189,7 +189,7 @@ def test_what_has_no_unit_is_asked_for_each(shared: Served, page) -> None:
     page.get_by_text(re.compile("^Strain: the file does not say the unit")).wait_for()
     pick(page, "Unit of strain", "as a ratio")
     pick(page, "Unit of force", "N")
-    page.get_by_label("R0 / Ω").fill("100")
+    page.get_by_label("Resistance at rest R0 / Ω").fill("100")
     page.keyboard.press("Tab")
     imported(shared, page, "thread", 40)
     recording, wanted = arrived(shared, page, "thread"), raw(file)
