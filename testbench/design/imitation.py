@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from testbench.fitting import constants
 from testbench.fitting.evidence.laplace import fitted
 from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.fitting.evidence.sample_noise import known_noise
-from testbench.fitting.evidence.telling import independent_share
+from testbench.fitting.evidence.telling import news_of
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
@@ -41,7 +42,7 @@ class Imitation:
         Truth minus imitation over the noise floor, at the samples that count, means taken out: force zero and
         conductance gain belong to each mounting.
     independent_share : float
-        Independent samples per sample of `left`.
+        Independent samples per sample of `left`, of a recording as many as the diagnosis compares models by.
     """
 
     truth: str
@@ -56,7 +57,7 @@ class Imitation:
 
     @property
     def log_odds(self) -> float:
-        """Expected log-likelihood ratio for the truth, with the residual's autocorrelation allowed for."""
+        """Log-likelihood ratio for the truth that a diagnosis is expected to find."""
         return 0.5 * self.independent_share * sum(float(np.sum(values**2)) for values in self.left.values())
 
     @property
@@ -92,10 +93,11 @@ def imitate(truth: Rival, imitator: Rival, measurement: Measurement, noise: Nois
 def _searched(truth: Rival, imitator: Rival, likelihood: Likelihood, noise: Noise) -> list[tuple[Rival, Imitation]]:
     """Where each of a few searches has come to, each from the end of the one before, and what is left there."""
     clean, before, found = likelihood.measurement, np.inf, []
+    share = news_of(clean, constants.INDEPENDENT) / clean.counts.sum()
     for _ in range(SEARCHES):
         imitator = replace(imitator, model=fitted(imitator.model, likelihood, imitator.model).model)
         left = {c: _counted(values, clean) / noise[c] for c, values in clean.residual(imitator.model).items()}
-        found.append((imitator, Imitation(truth.name, imitator.name, left, independent_share(clean))))
+        found.append((imitator, Imitation(truth.name, imitator.name, left, share)))
         if found[-1][1].log_odds > ENOUGH * before:
             break
         before = found[-1][1].log_odds

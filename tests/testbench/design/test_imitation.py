@@ -11,6 +11,7 @@ from gcode.trajectories.trajectory import Trajectory
 from testbench.design.ahead import planned
 from testbench.design.imitation import Rival, imitate
 from testbench.design.protocols import Bounds, drivable
+from testbench.fitting import constants
 from testbench.fitting.evidence.laplace import fitted
 from testbench.fitting.evidence.sample_noise import known_noise
 from testbench.fitting.evidence.telling import independent_share
@@ -74,3 +75,15 @@ def test_a_search_looks_with_the_noise_that_is_known(new_heights):
     taken_for_noise = fitted(truth(), replace(known, is_known=False), truth()).model
     imitation = imitate(Rival("relaxing", relaxing), Rival("base", truth()), new_heights, FLOORS)
     assert imitation.log_odds < 0.9 * left(taken_for_noise)
+
+
+def test_a_recording_counts_as_many_pieces_as_the_diagnosis_compares_models_by(new_heights):
+    relaxing = truth().plus(CATALOGUE["stress_relaxation"]().replaced(fraction=0.3))
+    found = imitate(Rival("relaxing", relaxing), Rival("base", truth()), slower(new_heights, 4), {"force": NOISE_N})
+    assert found.log_odds == pytest.approx(0.5 * constants.INDEPENDENT * found.noise_units**2)
+
+
+def slower(measurement, times: int):
+    """The same motion, so many times as long."""
+    time_s = times * measurement.signals["time_s"]
+    return replace(measurement, signals={**measurement.signals, "time_s": time_s}, dt_s=times * measurement.dt_s)
