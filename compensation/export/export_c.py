@@ -27,7 +27,8 @@ from compensation.model.runtime import (
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
 
-# Of the target's standard deviation: what the header may differ from Python.
+# Of the target's standard deviation: what the header may differ from Python. Of the conductance's: so far beyond a
+# range is still inside, for where the training stood at its end, as at a converter's rail, rounding would decide.
 PROMISED = 1e-5
 
 
@@ -79,6 +80,7 @@ def c_header(compensator: TrainedCompensator | Fitted, name: str = "knitbench") 
     check_streams(compensator)
     needs, lengths = cost(compensator), start_samples(compensator.alphas, compensator.rate_hz)
     seen, begin, limits = ranges_of(compensator), beginning_of(compensator), limits_of(compensator)
+    slack = PROMISED + rounding(compensator)
     filters = len(compensator.alphas)
     # The last layers take over the output's scale and the share in the mean.
     share = compensator.scaling_out.scale / len(compensator.networks)
@@ -94,9 +96,9 @@ def c_header(compensator: TrainedCompensator | Fitted, name: str = "knitbench") 
         unit=compensator.unit,
         filters=filters,
         limits=_numbers(np.array(limits)),
-        seen=_numbers(np.array([seen.low, seen.high])),
-        inputs_low=_numbers(seen.inputs_low),
-        inputs_high=_numbers(seen.inputs_high),
+        seen=_numbers(np.array([seen.low - slack, seen.high + slack])),
+        inputs_low=_numbers(seen.inputs_low - slack),
+        inputs_high=_numbers(seen.inputs_high + slack),
         begin_gain=_numbers(begin.gain[:filters]),
         begin_offset=_numbers(begin.offset[:filters]),
         flags=_flags(name.upper()),

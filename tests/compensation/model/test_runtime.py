@@ -24,8 +24,9 @@ from compensation.model.runtime import (
     Status,
 )
 from compensation.model.streaming import CompensatorStream
+from compensation.series.preprocessing import series_of
 from compensation.training.options import Options
-from compensation.training.training import train
+from compensation.training.training import train, train_on_series
 from gcode.support.errors import UserError
 from gcode.support.files import write_json
 from gcode.support.strict import read_json
@@ -84,8 +85,11 @@ def compensator(recordings):
 
 @pytest.fixture(scope="module")
 def on_chip(compensator, tmp_path_factory):
+    return compiled(compensator, tmp_path_factory.mktemp("chip"))
+
+
+def compiled(compensator, folder):
     """The C header under the sanitisers: feed it samples, get values and flags."""
-    folder = tmp_path_factory.mktemp("chip")
     (folder / "k.h").write_text(c_header(compensator, "k"))
     (folder / "main.c").write_text(PROGRAM)
     flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-Wconversion", "-O1"]
@@ -180,6 +184,17 @@ def test_every_runtime_has_the_same_limits(compensator, on_chip, in_onnx):
     assert refused == [good, *lowest(reading), *highest(reading), *lowest(step), *highest(step), good]
     for other in (on_chip, in_onnx):
         assert [flag & FAULTS for flag in other(samples)[1]] == refused
+
+
+@needs_gcc
+def test_a_rail_that_the_training_stood_at_is_no_news_to_a_chip(recordings, tmp_path):
+    """A converter that stood at its end in the training stands there in use; rounded, that reading lay beyond it."""
+    part = series_of(recordings[0], "force", 20.0)
+    railed = replace(part, conductance_S=np.clip(part.conductance_S, *np.quantile(part.conductance_S, [0.2, 0.8])))
+    trained = train_on_series([railed], "force", Options(sizes=(2,), restarts=1, engine="fast"))
+    samples = [(conductance, 0.05) for conductance in railed.conductance_S.tolist()]
+    for flags in (fed(CompensatorStream(trained), samples)[1], compiled(trained, tmp_path)(samples)[1]):
+        assert not any(flag & Status.UNSEEN_READING for flag in flags)
 
 
 anything = st.one_of(
