@@ -44,14 +44,15 @@ def run(args: argparse.Namespace) -> int:
     _check_target(args, compensator)
     time_s, resistance_ohm = read_samples(args.recording)
     found = predicted(compensator, time_s, resistance_ohm)
-    _check_good(args.recording, compensator, time_s, resistance_ohm, _good(found.status))
+    good = _good(found.status)
+    _check_good(args.recording, compensator, time_s, resistance_ohm, good)
     frame = found.to_frame()
     with atomic_path(args.output) as temporary:
         frame.to_csv(temporary, index=False, float_format="%.6f")
     low, high = np.min(found.value), np.max(found.value)
     name = target_channel(compensator.target)
     print(f"{len(frame)} samples: {name} {low:.3f} to {high:.3f} {compensator.unit}")
-    _print_status(found.status)
+    _print_status(found.status, good)
     print(f"wrote {args.output}")
     return 0
 
@@ -77,7 +78,7 @@ def _check_good(
     say_slow(without_reference(source, time_s[good], resistance_ohm[good]))
 
 
-def _print_status(status: IntArray) -> None:
+def _print_status(status: IntArray, good: NDArray) -> None:
     """One line for each doubt that the compensator had, with the share of the samples that it holds for."""
     from compensation.commands.common import NOTHING_KNOWN
     from compensation.model.runtime import Status
@@ -86,7 +87,6 @@ def _print_status(status: IntArray) -> None:
         share = float((status & int(flag) != 0).mean())
         if share and flag != Status.STARTING:
             print(f"  {_percent(share)} {WORDS[flag.name or '']} (status {int(flag)})")
-    good = _good(status)
     if good.any() and (status[good] & int(Status.UNSEEN_READING)).all():
         print(f"  {NOTHING_KNOWN}")
 
