@@ -11,8 +11,7 @@ import numpy as np
 from testbench.knit import spectra
 from testbench.knit.effect import FloatArray
 
-# A strain rate is a slope over so long to either side. (A lag of 0.1 s instead cost four noise floors where a strong
-# force follows the sign of the rate.)
+# A strain rate is a slope over so long to either side: a lag is late, which shows in a force that follows its sign.
 RATE_HALF_SPAN_S = 0.04
 RATE_LAG_S = 0.1
 # Wiggles of strain below this are encoder noise: they neither wear nor tire a knit.

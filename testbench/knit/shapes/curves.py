@@ -14,9 +14,8 @@ LAW_TERMS = 12  # of a law that is a curve of any form: it bends less quickly th
 def curve(x: FloatArray, low: float, span: float, weights: tuple[float, ...]) -> FloatArray:
     """w_1 u + w_2 u^2 + sum_k w_k cos(k pi u) / k^2 with u = (x - low) / span, held flat outside 0 <= u <= 1.
 
-    Weights of one size make a curve whose slope is a random walk: knees are as likely as bends. With k^3 (its
-    curvature is one) sensors with nothing hidden were worth 2 to 26 nats more, but three carbon strips lost what they
-    were known for: their contacts have knees.
+    Weights of one size make a curve whose slope is a random walk: knees are as likely as bends, for contacts have
+    knees. (Over k^3 its curvature would be one, which has none.)
 
     Parameters
     ----------
