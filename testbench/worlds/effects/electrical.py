@@ -26,7 +26,7 @@ def overshoot_highpass(s: Scene, a: float, p: Shape) -> None:
 def overshoot_reversal(s: Scene, a: float, p: Shape) -> None:
     turn = last_turning_point(s.e, 0.01).astype(np.int64)
     since = s.t - s.t[turn]
-    heading = np.sign(s.e - s.e[turn])
+    heading = np.where(turn > 0, np.sign(s.e - s.e[turn]), 0.0)  # the first sample is no reversal
     bump = heading * (since / p["tau"]) * np.exp(1 - since / p["tau"])
     s.ln_g = s.ln_g + p["sign"] * a * bump
 

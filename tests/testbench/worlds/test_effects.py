@@ -8,6 +8,7 @@ import pytest
 from testbench.worlds.base import WORLDS, draw_world
 from testbench.worlds.chain import Hidden, Scene, Usual, run
 from testbench.worlds.effects import FORMS, UNKNOWN
+from testbench.worlds.kernels import lowpass_two_way
 from testbench.worlds.motions import commanded_strain, sample_times
 
 ALL = [form for forms in FORMS.values() for form in forms.values()]
@@ -90,6 +91,26 @@ def test_the_effect_does_not_depend_on_the_sampling_rate(form):
         other = np.interp(coarse_t, fine_t, dense)
         size, far = size + np.sum(change**2), far + np.sum((change - other)[40:-40] ** 2)
     assert far < 0.15**2 * size
+
+
+def test_nothing_follows_a_reversal_before_there_was_one():
+    form, t = FORMS["electrical_overshoot"]["after_reversals"], np.arange(0, 8, 0.025)
+    strain = np.interp(t, [0, 1, 4, 8], [0.1, 0.1, 0.25, 0.1])  # a rest, one way out, one way back
+    base, shape = draw_world("matched", np.random.default_rng(4)), {"tau": 2.0, "sign": 1.0}
+    plain, hidden = (
+        run(base, Scene(t, strain, 0 * t, 5.0, _usual(), (3,)), [Hidden(form, shape, size)])[1] for size in (0.0, 0.5)
+    )
+    assert np.array_equal(hidden[t <= 4], plain[t <= 4])
+    assert np.max(np.abs(hidden - plain)[t > 4]) == pytest.approx(0.5, rel=1e-3)
+
+
+@pytest.mark.parametrize(("way", "tau"), [(1, 2.0), (-1, 7.0)])
+def test_a_follower_of_two_ways_is_that_of_its_formula_at_any_rate(way, tau):
+    """Of a ramp c t the answer is c (t - tau (1 - exp(-t / tau)))."""
+    for rate_hz in (2.0, 40.0):
+        t = np.arange(0, 20, 1 / rate_hz)
+        found = lowpass_two_way(t, way * 0.3 * t, 2.0, 7.0)
+        assert found == pytest.approx(way * 0.3 * (t + tau * np.expm1(-t / tau)), abs=1e-12)
 
 
 def test_every_effect_of_the_issue_has_two_forms_or_more():
