@@ -11,28 +11,25 @@ from numba import njit
 from gcode.support.arrays import FloatArray
 
 
-@njit("float64[:](float64[:], float64[:], float64)", cache=True, nogil=True)
-def lowpass(t: FloatArray, x: FloatArray, tau: float) -> FloatArray:
-    """Exact answer of ``tau y' = x - y`` to `x` joined by straight lines, at rest before (``y[0] = x[0]``)."""
-    y = np.empty_like(x)
-    y[0] = x[0]
-    for i in range(1, len(x)):
-        h = (t[i] - t[i - 1]) / tau
-        decay = np.exp(-h)
-        slope = (x[i] - x[i - 1]) / h
-        y[i] = x[i] - slope + (y[i - 1] - x[i - 1] + slope) * decay
-    return y
-
-
 @njit("float64[:](float64[:], float64[:], float64, float64)", cache=True, nogil=True)
 def lowpass_two_way(t: FloatArray, x: FloatArray, tau_up: float, tau_down: float) -> FloatArray:
-    """First-order follower that rises with one time constant and falls with another."""
+    """Answer of ``tau y' = x - y`` to `x` joined by straight lines, at rest before (``y[0] = x[0]``).
+
+    `tau` is one where it rises and another where it falls; exact but for the steps in which the way changes.
+    """
     y = np.empty_like(x)
     y[0] = x[0]
     for i in range(1, len(x)):
-        tau = tau_up if x[i] > y[i - 1] else tau_down
-        y[i] = x[i] + (y[i - 1] - x[i]) * np.exp(-(t[i] - t[i - 1]) / tau)
+        h = (t[i] - t[i - 1]) / (tau_up if x[i] + x[i - 1] > 2 * y[i - 1] else tau_down)
+        slope = (x[i] - x[i - 1]) / h
+        y[i] = x[i] - slope + (y[i - 1] - x[i - 1] + slope) * np.exp(-h)
     return y
+
+
+@njit("float64[:](float64[:], float64[:], float64)", cache=True, nogil=True)
+def lowpass(t: FloatArray, x: FloatArray, tau: float) -> FloatArray:
+    """The same with one time constant, exact."""
+    return lowpass_two_way(t, x, tau, tau)
 
 
 @njit("float64[:](float64[:], float64)", cache=True, nogil=True)
@@ -102,7 +99,7 @@ def relay(x: FloatArray, low: float, high: float, start: float) -> FloatArray:
 
 @njit("float64[:](float64[:], float64)", cache=True, nogil=True)
 def last_turning_point(x: FloatArray, least: float) -> FloatArray:
-    """Index of the last reversal (by more than `least`) before each sample."""
+    """Index of the last reversal (by more than `least`) before each sample; 0 before the first."""
     out = np.empty_like(x)
     direction, extreme, at, turned = 0.0, x[0], 0, 0
     for i in range(len(x)):
