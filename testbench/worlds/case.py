@@ -204,24 +204,37 @@ class Bench:
         }
 
     def recording(self, part: str, hidden: Sequence[Hidden], channels: Sequence[str]) -> Recording:
-        """What the instruments write: noise, steps of the converters, and a thermometer where there is one."""
+        """What the instruments write of one of the two recordings."""
         t, strain, ambient = self.motion[part]
         force, ln_g = self.signals(part, hidden)
-        rng = rng_of(self.seed, part, "noise")
-        noise_N, noise_ln = (unit_noise(self.noise_kind, len(t), self.rate_hz, rng) for _ in range(2))
-        read = {
-            FORCE: quantised(force + self.floor_N * noise_N, self.floor_N / 4),
-            RESISTANCE: np.exp(-(ln_g + self.floor_ln * noise_ln)),
-        }
+        rngs = rng_of(self.seed, part, "noise"), rng_of(self.seed, part, "encoder")
+        read = self.read(strain, ambient, force, ln_g, hidden, *rngs)
+        unread = {FORCE, RESISTANCE} - set(channels)
+        return Recording(t, {c: v for c, v in read.items() if c not in unread}, GAUGE_LENGTH_MM, source=part)
+
+    def read(
+        self,
+        strain: FloatArray,
+        ambient: FloatArray,
+        force: FloatArray,
+        ln_g: FloatArray,
+        hidden: Sequence[Hidden],
+        rng: np.random.Generator,
+        encoder: np.random.Generator,
+    ) -> dict[str, FloatArray]:
+        """Readings of every channel: noise, steps of the converters, and a thermometer where there is one."""
+        count = len(strain)
+        noise_N, noise_ln = (unit_noise(self.noise_kind, count, self.rate_hz, rng) for _ in range(2))
         step_ohm = self.typical_ohm * self.floor_ln / 4
-        read[RESISTANCE] = np.maximum(quantised(read[RESISTANCE], step_ohm), step_ohm)
-        read_mm = strain * GAUGE_LENGTH_MM + self.floor_mm * rng_of(self.seed, part, "encoder").standard_normal(
-            len(t)
-        )
-        kept = {DISPLACEMENT: np.round(read_mm, 4), **{name: read[name] for name in channels}}
+        ohm = quantised(np.exp(-(ln_g + self.floor_ln * noise_ln)), step_ohm)
+        read = {
+            DISPLACEMENT: np.round(strain * GAUGE_LENGTH_MM + self.floor_mm * encoder.standard_normal(count), 4),
+            FORCE: quantised(force + self.floor_N * noise_N, self.floor_N / 4),
+            RESISTANCE: np.maximum(ohm, step_ohm),
+        }
         if self._has_thermometer(hidden):
-            kept[TEMPERATURE] = np.round(23 + ambient + 0.02 * rng.standard_normal(len(t)), 2)
-        return Recording(t, kept, GAUGE_LENGTH_MM, source=part)
+            read[TEMPERATURE] = np.round(23 + ambient + 0.02 * rng.standard_normal(count), 2)
+        return read
 
     def _has_thermometer(self, hidden: Sequence[Hidden]) -> bool:
         """Where temperature matters the form says so; elsewhere a thermometer sometimes hangs there for nothing."""

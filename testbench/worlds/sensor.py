@@ -5,13 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from gcode.support.arrays import FloatArray
-from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
 from testbench.recordings.recording import Recording
 from testbench.worlds import strength as strengths
 from testbench.worlds.base import draw_world
 from testbench.worlds.case import PARTS, Bench, ambient_K, choose, names_of, rng_of
 from testbench.worlds.chain import Scene, run
-from testbench.worlds.coloured_noise import quantised, unit_noise
 from testbench.worlds.motions import GAUGE_LENGTH_MM, sample_times
 
 HORIZON_S = 4 * 3600.0  # the room is drawn for so long
@@ -77,28 +75,7 @@ class HiddenSensor:
         whole = np.concatenate([before, np.interp(t, time_s, strain)])
         room = np.interp(when, self.room_s, self.room_K)
         scene = Scene(when, whole, room, self.bench.top_N, self.bench.usual, (self.seed, 7))
-        force, ln_g = (values[len(before) :] for values in run(self.bench.base, scene, self.hidden))
-        return self._read(t, whole[len(before) :], force, ln_g, room[len(before) :], rng)
-
-    def _read(
-        self,
-        t: FloatArray,
-        strain: FloatArray,
-        force: FloatArray,
-        ln_g: FloatArray,
-        room: FloatArray,
-        rng: np.random.Generator,
-    ) -> Recording:
-        bench = self.bench
-        noise_N, noise_ln = (unit_noise(bench.noise_kind, len(t), self.rate_hz, rng) for _ in range(2))
-        step_ohm = bench.typical_ohm * bench.floor_ln / 4
-        ohm = np.exp(-(ln_g + bench.floor_ln * noise_ln))
-        read_mm = strain * GAUGE_LENGTH_MM + bench.floor_mm * rng.standard_normal(len(t))
-        kept = {
-            DISPLACEMENT: np.round(read_mm, 4),
-            FORCE: quantised(force + bench.floor_N * noise_N, bench.floor_N / 4),
-            RESISTANCE: np.maximum(quantised(ohm, step_ohm), step_ohm),
-        }
-        if bench._has_thermometer(self.hidden):
-            kept[TEMPERATURE] = np.round(23 + room + 0.02 * rng.standard_normal(len(t)), 2)
-        return Recording(t, kept, GAUGE_LENGTH_MM, "hidden sensor")
+        force, ln_g = run(self.bench.base, scene, self.hidden)
+        own = slice(len(before), None)
+        read = self.bench.read(whole[own], room[own], force[own], ln_g[own], self.hidden, rng, rng)
+        return Recording(t, read, GAUGE_LENGTH_MM, "hidden sensor")
