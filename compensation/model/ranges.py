@@ -7,13 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcode.support.arrays import FloatArray
+from gcode.support.read_only import Unchanging
 
 # Of the range seen in training, as much to either side still goes into the memories.
 MARGIN_WIDTHS = 1.0
 
 
 @dataclass(frozen=True)
-class Seen:
+class Seen(Unchanging):
     """Ranges over the training recordings.
 
     Attributes
@@ -36,7 +37,7 @@ class Seen:
 
 
 @dataclass(frozen=True)
-class Beginning:
+class Beginning(Unchanging):
     """What each memory is expected to hold, given the standardised conductance x at the start: offset + gain x.
 
     Attributes

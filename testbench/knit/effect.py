@@ -28,7 +28,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import IntEnum
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NoReturn
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
@@ -189,6 +189,14 @@ class Effect(BaseModel):
                 bounds = bounds_of(field)
                 if value and not (bounds["low"] <= min(value) and max(value) <= bounds["high"]):
                     raise UserError(_allowed(type(self), key, value))
+
+    def __add__(self, other: object) -> NoReturn:
+        raise UserError(
+            f"{type(self).__name__} + ...: effects are put into a model: testbench.baseline() + effect, or "
+            "testbench.KnitModel.of(effect, effect)"
+        )
+
+    __radd__ = __add__
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         """Return new arrays for the signals in `writes`.

@@ -198,7 +198,7 @@ def _check_apart(folder: Path, sources: Iterable[Path]) -> None:
     for source in sources:
         if folder.resolve() in (source.resolve(), source.resolve().parent):
             raise UserError(
-                f"{folder}: cannot replace a campaign that this one is made from ({source}); choose another with -o"
+                f"{folder}: cannot replace a campaign that this one is made from ({source}); choose another"
             )
 
 
@@ -220,7 +220,10 @@ def program_file(program: Made | str | Path) -> Iterator[Path]:
     with TemporaryDirectory(prefix="knitbench-") as folder:
         path = Path(folder) / "program.tap"
         write_text(path, text_of(program)[0])
-        yield path
+        try:
+            yield path
+        except UserError as error:  # nobody has heard of this file
+            raise UserError(str(error).replace(str(path), "program")) from None
 
 
 def earlier_runs(after: Iterable[str | Path]) -> list[Path]:
