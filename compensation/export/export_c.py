@@ -74,7 +74,7 @@ def c_header(compensator: TrainedCompensator | Fitted, name: str = "knitbench") 
     True
     """
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
-        raise UserError(f"--name must be a C identifier, got {name!r}")
+        raise UserError(f"`name` must be a C identifier, got {name!r}")
     compensator = trained(compensator)
     check_streams(compensator)
     needs, lengths = cost(compensator), start_samples(compensator.alphas, compensator.rate_hz)

@@ -154,7 +154,7 @@ def _other_controller(program: Program, limits: Limits) -> str:
         return ""
     return (
         f" (judged with a controller of {used:g} mm/s2; the file was written for {stated:g}: if yours is set so, say "
-        f"--machine-acceleration {stated:g})"
+        f"`machine_acceleration` {stated:g})"
     )
 
 
@@ -178,7 +178,7 @@ def _unplayed(program: Program, rate_hz: float) -> str:
     if seconds > LONGEST_RUN_S:
         return f"not executed, since it would take {_long(seconds)}: more than {_long(LONGEST_RUN_S)} is refused"
     if seconds * rate_hz > MOST_SAMPLES:
-        return f"not executed, since {_long(seconds)} at {rate_hz:g} Hz are too many samples; lower --rate-hz"
+        return f"not executed, since {_long(seconds)} at {rate_hz:g} Hz are too many samples; lower `rate_hz`"
     return ""
 
 
@@ -212,7 +212,7 @@ def _feeds(program: Program, limits: Limits, rapid_mm_per_s: float | None) -> li
     fast = np.isfinite(feed) & moving & (feed > limit * 1.001)
     found = _first(fast, program, lambda i: f"feed {feed[i]:.4g} mm/s is above v max {limit:g} mm/s")
     if rapid_mm_per_s is None:
-        found += _first(rapid, program, lambda i: "a G0 move has no known speed; use G1, or state --rapid")
+        found += _first(rapid, program, lambda i: "a G0 move has no known speed; use G1, or state `rapid_mm_per_s`")
     elif number("rapid_mm_per_s", rapid_mm_per_s) > limit:
         text = f"a G0 move at {rapid_mm_per_s:g} mm/s is above v max {limit:g} mm/s"
         found += _first(rapid, program, lambda i: text)
@@ -221,7 +221,7 @@ def _feeds(program: Program, limits: Limits, rapid_mm_per_s: float | None) -> li
 
 def _dwells(program: Program, longest_s: float) -> list[Problem]:
     dwell = program.dwell_s
-    text = f"longer than {longest_s:g} s; P is in seconds, is this milliseconds? (--max-dwell-s)"
+    text = f"longer than {longest_s:g} s; P is in seconds, is this milliseconds? (see `longest_dwell_s`)"
     return _first(dwell > longest_s, program, lambda i: f"G4 P{dwell[i]:g} dwells {text}")
 
 

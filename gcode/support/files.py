@@ -50,7 +50,7 @@ def atomic_path(path: str | Path, *, recorded: bool = False) -> Iterator[Path]:
         disk.DISK.rename(temporary, path)
         disk.sync_quietly(path.parent)
     except OSError as error:
-        raise UserError(f"cannot write {path}: {error.strerror or error}; choose another place with -o") from error
+        raise UserError(f"cannot write {path}: {error.strerror or error}; choose another place") from error
     finally:
         with contextlib.suppress(OSError):
             temporary.unlink(missing_ok=True)
@@ -214,7 +214,7 @@ def _move(draft: Path, folder: Path) -> None:
     except OSError as error:
         if error.errno not in (errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR):
             raise
-        raise UserError(f"{folder}: another program has just written there; choose another place with -o") from None
+        raise UserError(f"{folder}: another program has just written there; choose another place") from None
 
 
 def clear_drafts(folder: Path) -> None:
@@ -240,7 +240,7 @@ def make_folder(path: str | Path) -> Path:
         path.mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:  # ValueError: a zero byte in its name
         why = getattr(error, "strerror", None) or error
-        raise UserError(f"cannot make the folder {path}: {why}; choose another with -o") from error
+        raise UserError(f"cannot make the folder {path}: {why}; choose another") from error
     return path
 
 

@@ -130,7 +130,7 @@ def dataset(
     spec, folder = path_of(spec, "TOML file"), path_of(folder, "folder")
     wanted = read_spec(spec)
     if is_campaign(folder):
-        raise UserError(f"{folder}: is a campaign itself; choose another folder for the data set with -o")
+        raise UserError(f"{folder}: is a campaign itself; choose another folder for the data set")
     out = make_folder(folder)
     with OneAtATime(out):
         tasks = tasks_of(wanted, spec.parent, out, Path(effects) if effects else None)

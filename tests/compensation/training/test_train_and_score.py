@@ -273,7 +273,7 @@ def test_a_place_that_cannot_be_written_is_refused_before_the_work(recordings, t
     for method in METHODS:
         monkeypatch.setitem(METHODS, method, lambda *_: pytest.fail("trained"))
     start = ["train", str(path), "--gauge-length-mm", "25", "--target", "force"]
-    for place, match in ((tmp_path / "no" / "c.json", "choose another place with -o"), (tmp_path, "is a folder")):
+    for place, match in ((tmp_path / "no" / "c.json", "choose another place"), (tmp_path, "is a folder")):
         for method in METHODS:
             assert main([*start, "--method", method, "-o", str(place)]) == 2
             assert match in capsys.readouterr().err
