@@ -14,7 +14,7 @@ from gcode.support.read_only import Unchanging
 DEAD_SPREAD = 0.05
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Network(Unchanging):
     """A multilayer perceptron with relu hidden layers and a linear output.
 

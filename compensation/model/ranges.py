@@ -13,7 +13,7 @@ from gcode.support.read_only import Unchanging
 MARGIN_WIDTHS = 1.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Seen(Unchanging):
     """Ranges over the training recordings.
 
@@ -36,7 +36,7 @@ class Seen(Unchanging):
         return np.clip(x, self.low - margin, self.high + margin)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Beginning(Unchanging):
     """What each memory is expected to hold, given the standardised conductance x at the start: offset + gain x.
 

@@ -14,7 +14,7 @@ from gcode.motion.blocks import MOST_SAMPLES, Motion
 from gcode.motion.statistics import MotionStatistics, motion_statistics
 from gcode.support.errors import UserError
 from gcode.support.html import card
-from gcode.support.kinds import number
+from gcode.support.kinds import instance, number
 from gcode.trajectories.bounds import Limits, excesses
 from gcode.trajectories.trajectory import Trajectory, sampled
 
@@ -160,7 +160,8 @@ def _other_controller(program: Program, limits: Limits) -> str:
 
 def _machine(machine: Machine | None, limits: Limits, rapid_mm_per_s: float | None) -> Machine:
     """The controller to judge with: the given one or that of `ACCELERATION_FACTOR`, at the stated rapid speed."""
-    machine = machine or Machine(acceleration_mm_per_s2=ACCELERATION_FACTOR * limits.a_max_mm_per_s2)
+    usual = Machine(acceleration_mm_per_s2=ACCELERATION_FACTOR * limits.a_max_mm_per_s2)
+    machine = usual if machine is None else instance("machine", machine, Machine)
     if rapid_mm_per_s is None:
         return machine
     return Machine(**{**machine.model_dump(), "rapid_mm_per_s": rapid_mm_per_s})

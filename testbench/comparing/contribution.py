@@ -19,7 +19,7 @@ from testbench.measurements.measurement import Measurement
 from testbench.measurements.noise_level import robust_sd
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Contribution(Unchanging):
     """Residual and predicted contribution over the samples that count.
 

@@ -37,7 +37,10 @@ def test_a_limit_that_watches_nothing_is_refused_before_the_port_is_opened(odd, 
 @pytest.mark.parametrize(
     ("program", "said"),
     [
-        (gcode.generate("paper-1", seed=1, duration_s=20), "program: the gauge length must be a positive number of mm"),
+        (
+            gcode.generate("paper-1", seed=1, duration_s=20),
+            "program: the gauge length must be a positive number of mm",
+        ),
         ("G21 G90 G94\nG2 X1\n", "program: line 2"),
     ],
 )

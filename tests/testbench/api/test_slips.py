@@ -290,6 +290,30 @@ SLIPS = {
     ),
     "no decimal sign": (lambda: tb.Hints(decimal=""), "`decimal` must be ',' or '.', got ''"),
     "two separators": (lambda: tb.Hints(separator="::"), "`separator` must be one character between columns"),
+    "a seed in words": (
+        lambda: tb.next_experiment([tb.baseline(), tb.preset("pes")], seed="a"),
+        "seed: must be a whole number, 0 or more, got 'a'",
+    ),
+    "a preset as a list": (lambda: gcode.preset([]), "preset must be one of paper-1, paper-2, paper-3, fast; got []"),
+    "a truth for a length": (
+        lambda: gcode.generate("paper-1", 1, True),
+        "gauge length must be 0.001 to 10000 mm, got True",
+    ),
+    "a controller as a mapping": (
+        lambda: gcode.check(gcode.generate("paper-1", 1, duration_s=20), machine={}),
+        "machine must be of the class Machine, got dict",
+    ),
+    "no channels": (lambda: tb.hide("none", "case", channels=5), "channels: must be force_N, resistance_ohm or both"),
+    "effects that are no file": (lambda: tb.verify(".", effects=5), "not the path of a file with your own effects"),
+    "workers in words": (lambda: tb.dataset("a.toml", "knits", workers="a"), "workers must be a whole number"),
+    "a report of another kind": (
+        lambda: tb.make_report(tb.example(duration_s=20)).write("a.html", format="pdf"),
+        "format must be html or md, got 'pdf'",
+    ),
+    "a report without a place": (
+        lambda: tb.make_report(tb.example(duration_s=20)).write(5),
+        "got int, not the path of a report",
+    ),
     "a program that was not written": (
         lambda: tb.record("/dev/no-port", gcode.generate("paper-1", seed=1, duration_s=20), "knit"),
         "got Made, not the path of a program",
@@ -314,6 +338,14 @@ def test_a_coordinate_that_is_none_is_refused_with_those_there_are():
 def test_the_gauge_length_that_a_recording_has_may_be_said_again():
     recording = tb.example(duration_s=20)
     assert as_recording(recording, 25) is as_recording(recording, None, usual_mm=30) is recording
+
+
+def test_what_is_made_alike_is_equal_and_presets_stay_as_they_are():
+    made = gcode.generate("paper-1", seed=1, duration_s=20)
+    assert made == gcode.generate("paper-1", seed=1, duration_s=20)
+    assert made != gcode.generate("paper-1", seed=2, duration_s=20)
+    with pytest.raises(TypeError, match="not changed in place"):
+        gcode.PRESETS.clear()
 
 
 def test_what_numpy_gives_is_taken():
