@@ -25,6 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--machine-acceleration",
+        dest="machine",
         type=float,
         metavar="MM/S2",
         help="the controller's own, default: 5 a-max (what the file says of it counts for nothing)",
@@ -66,8 +67,7 @@ def run(args: argparse.Namespace) -> int:
         x_min_mm=args.x_min,
         x_max_mm=args.x_max,
     )
-    acceleration = args.machine_acceleration
-    machine = None if acceleration is None else Machine(acceleration_mm_per_s2=acceleration)
+    machine = None if args.machine is None else Machine(acceleration_mm_per_s2=args.machine)
     result, origin = check_file(
         read_text(args.program),
         limits,

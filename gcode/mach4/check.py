@@ -153,8 +153,8 @@ def _other_controller(program: Program, limits: Limits) -> str:
     if not stated or abs(stated - used) < 1e-9 * used:
         return ""
     return (
-        f" (judged with a controller of {used:g} mm/s2; the file was written for {stated:g}: if yours is set so, say "
-        f"`machine_acceleration` {stated:g})"
+        f" (judged with a controller of {used:g} mm/s2; the file was written for {stated:g}: if yours is set so, "
+        "give it as `machine`)"
     )
 
 
