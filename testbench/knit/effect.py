@@ -171,8 +171,18 @@ class Effect(BaseModel):
         cls.mechanism = cls.mechanism or cls.name
 
     def __init__(self, *unnamed: Any, **parameters: Any) -> None:
-        """Raise `UserError` where a parameter is unknown or unnamed, or a value is no number or out of its bounds."""
+        """Raise `UserError` where a parameter is unknown or unnamed, or a value is no number or out of its bounds.
+
+        So, too, where the class does not declare where it acts, or on what.
+        """
         only_by_name(type(self), "parameters", unnamed)
+        declared = {"stage": Stage, "reads": tuple, "writes": tuple}
+        wrong = [name for name, kind in declared.items() if not isinstance(getattr(type(self), name, None), kind)]
+        if wrong:
+            raise UserError(
+                f"{type(self).__name__}: the class must declare its stage (a testbench.Stage) and what it reads and "
+                f"writes (tuples of names of signals); amiss: {', '.join(wrong)}"
+            )
         try:
             super().__init__(**parameters)
         except ValidationError as error:

@@ -340,6 +340,20 @@ def test_the_gauge_length_that_a_recording_has_may_be_said_again():
     assert as_recording(recording, 25) is as_recording(recording, None, usual_mm=30) is recording
 
 
+@pytest.mark.parametrize(
+    ("declared", "amiss"),
+    [
+        ({"reads": ("force_N",), "writes": ("force_N",)}, "stage"),
+        ({"stage": "MECHANICS", "reads": ("force_N",), "writes": ("force_N",)}, "stage"),
+        ({"stage": tb.Stage.MECHANICS, "reads": "force_N"}, "reads, writes"),
+    ],
+)
+def test_a_class_of_an_effect_that_does_not_say_where_it_acts_is_told_so(declared, amiss):
+    mine = type("Mine", (tb.Effect,), {"name": "mine", "__module__": __name__, **declared})
+    with pytest.raises(tb.UserError, match=rf"^Mine: the class must declare its stage .*; amiss: {amiss}$"):
+        tb.baseline() + mine()
+
+
 def test_what_is_made_alike_is_equal_and_presets_stay_as_they_are():
     made = gcode.generate("paper-1", seed=1, duration_s=20)
     assert made == gcode.generate("paper-1", seed=1, duration_s=20)
