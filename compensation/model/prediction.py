@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Prediction(Unchanging):
     """A compensated signal; its arrays can be read only.
 
@@ -54,6 +54,10 @@ class Prediction(Unchanging):
     low: FloatArray
     high: FloatArray
     status: NDArray[np.int64]
+
+    def __repr__(self) -> str:
+        good = len(self.status) - np.count_nonzero(self.status)
+        return f"<Prediction of {self.target}: {len(self.value)} samples, {good} of them good>"
 
     def to_frame(self) -> pd.DataFrame:
         """As a table, with the columns of ``compensation predict``: ``time_s, force_N, low_N, high_N, status``."""

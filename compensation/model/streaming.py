@@ -60,6 +60,9 @@ class CompensatorStream:
         self._limits = limits_of(compensator)
         self.reset()
 
+    def __repr__(self) -> str:
+        return f"<CompensatorStream: {self.value:.4g} {self._compensator.unit}, {self.status.name}>"
+
     def reset(self) -> None:
         """Forget everything: the next sample is the first."""
         count = len(self._compensator.alphas)

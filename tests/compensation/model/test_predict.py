@@ -84,6 +84,10 @@ def test_it_takes_lists_and_columns_of_a_table_and_no_two_lengths(compensator, r
         predicted(compensator, pd.to_datetime(part.time_s, unit="s"), part["resistance_ohm"])
     with pytest.raises(UserError, match="predicted: resistance_ohm must be real numbers, got complex128"):
         predicted(compensator, part.time_s, part["resistance_ohm"] * 1j)
+    assert (
+        repr(predicted(compensator, [0.0, 0.1], [-1.0, -1.0])) == "<Prediction of force: 2 samples, 0 of them good>"
+    )
+    assert re.fullmatch(r"<CompensatorStream: \S+ N, STARTING>", repr(CompensatorStream(compensator)))
     with pytest.raises(UserError, match="conductance_S must be a number, got 'a'"):
         CompensatorStream(compensator).update("a")
     with pytest.raises(UserError, match="`name` must be a C identifier, got 5"):
