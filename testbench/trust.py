@@ -42,7 +42,7 @@ def named_effects(source: str | Path, wanted: Path, named: Path | None, sha256: 
     if named is None:
         raise UserError(
             f"{source}: needs effects of somebody's own; read {wanted}, which is a program, and if you trust it, "
-            f"add --effects {wanted}"
+            f"give `effects` {wanted}"
         )
     if sha256 is None:
         sha256 = sha256_of(wanted) if wanted.is_file() else ""

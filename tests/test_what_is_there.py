@@ -94,7 +94,7 @@ def test_what_was_recorded_is_kept(place, capsys, words, why):
 def test_data_and_programs_of_others_are_kept(place, capsys, name, text):
     (place / name).write_text(text, encoding="utf-8")
     assert called(f"gcode play program.tap -o {name}") == 2
-    assert "choose another place with -o" in capsys.readouterr().err
+    assert "choose another place" in capsys.readouterr().err
     assert (place / name).read_text(encoding="utf-8") == text
 
 
@@ -110,7 +110,7 @@ def test_an_imported_file_is_replaced_only_where_that_is_said(place, capsys):
     words = "testbench import a.csv --gauge-length-mm 25 -o again.csv"
     (place / "again.csv").write_text("time_s,position_mm\n0,1\n")
     assert called(words) == 2
-    assert "is there; choose another place with -o, or add --overwrite" in capsys.readouterr().err
+    assert "is there; choose another place, or give --overwrite" in capsys.readouterr().err
     for _ in range(2):
         assert called(f"{words} --overwrite") == 0
 

@@ -70,7 +70,7 @@ def check_places(output: str | None, picture: str | None) -> None:
     if picture and Path(picture).suffix.lower() not in PICTURES:
         raise UserError(f"--plot must end in {', '.join(PICTURES)}, got {picture}")
     check_place(output or None)
-    check_place(picture or None, "--plot")
+    check_place(picture or None)
 
 
 def score_table(scores: dict[str, Any]) -> str:

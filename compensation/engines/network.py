@@ -9,12 +9,13 @@ from itertools import pairwise
 import numpy as np
 
 from gcode.support.arrays import FloatArray
+from gcode.support.read_only import Unchanging
 
 DEAD_SPREAD = 0.05
 
 
-@dataclass(frozen=True)
-class Network:
+@dataclass(frozen=True, eq=False)
+class Network(Unchanging):
     """A multilayer perceptron with relu hidden layers and a linear output.
 
     Attributes

@@ -74,8 +74,8 @@ def c_header(compensator: TrainedCompensator | Fitted, name: str = "knitbench") 
     >>> "float knit_update(knit_state *s, float conductance_S, float dt_s)" in header
     True
     """
-    if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
-        raise UserError(f"--name must be a C identifier, got {name!r}")
+    if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", str(name)):
+        raise UserError(f"`name` must be a C identifier, got {name!r}")
     compensator = trained(compensator)
     check_streams(compensator)
     needs, lengths = cost(compensator), start_samples(compensator.alphas, compensator.rate_hz)

@@ -15,6 +15,7 @@ from compensation.model.ranges import Beginning, Seen
 from compensation.series.preprocessing import TARGETS, Series
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
+from gcode.support.read_only import Unchanging
 from testbench.recordings.recording import gaps_in
 
 
@@ -65,7 +66,7 @@ def trained(compensator: TrainedCompensator | Fitted) -> TrainedCompensator:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TrainedCompensator:
+class TrainedCompensator(Unchanging):
     """Scaler, smoothing bank (and other memories), and one or more networks whose mean is the answer.
 
     Attributes

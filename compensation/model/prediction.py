@@ -23,13 +23,15 @@ from compensation.model.runtime import (
 from compensation.series.preprocessing import TARGETS
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
+from gcode.support.read_only import Unchanging
+from testbench.recordings.columns import numbers
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
-@dataclass(frozen=True, eq=False)
-class Prediction:
+@dataclass(frozen=True, eq=False, repr=False)
+class Prediction(Unchanging):
     """A compensated signal; its arrays can be read only.
 
     Attributes
@@ -53,9 +55,9 @@ class Prediction:
     high: FloatArray
     status: NDArray[np.int64]
 
-    def __post_init__(self) -> None:
-        for values in (self.time_s, self.value, self.low, self.high, self.status):
-            values.flags.writeable = False
+    def __repr__(self) -> str:
+        good = len(self.status) - np.count_nonzero(self.status)
+        return f"<Prediction of {self.target}: {len(self.value)} samples, {good} of them good>"
 
     def to_frame(self) -> pd.DataFrame:
         """As a table, with the columns of ``compensation predict``: ``time_s, force_N, low_N, high_N, status``."""
@@ -111,8 +113,9 @@ def predicted(compensator: TrainedCompensator | Fitted, time_s: FloatArray, resi
             "a compensator trained with --per-recording needs the mean and spread of the target, which nobody knows "
             "without a reference; train without it"
         )
-    time_s, resistance_ohm = (np.asarray(values, dtype=np.float64) for values in (time_s, resistance_ohm))
-    if time_s.ndim != 1 or time_s.shape != resistance_ohm.shape:
+    time_s = numbers("predicted", "time_s", time_s)
+    resistance_ohm = numbers("predicted", "resistance_ohm", resistance_ohm)
+    if time_s.shape != resistance_ohm.shape:
         raise UserError(
             f"time_s and resistance_ohm must be one number a sample each, got shapes {time_s.shape} and "
             f"{resistance_ohm.shape}; give the two columns of one recording"
@@ -128,7 +131,7 @@ def predicted(compensator: TrainedCompensator | Fitted, time_s: FloatArray, resi
             value[rows], status[rows] = _run(compensator, time_s[rows], conductance_S[rows])
     value = _held(value, good)
     low, high = compensator.margins or (np.nan, np.nan)
-    return Prediction(compensator.target, time_s.copy(), value, value + low, value + high, status)
+    return Prediction(compensator.target, time_s, value, value + low, value + high, status)
 
 
 def _faults(time_s: FloatArray, conductance_S: FloatArray) -> NDArray[np.int64]:

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcode.support.arrays import FloatArray
+from gcode.support.read_only import Unchanging
 
 # Of the range seen in training, as much to either side still goes into the memories.
 MARGIN_WIDTHS = 1.0
 
 
-@dataclass(frozen=True)
-class Seen:
+@dataclass(frozen=True, eq=False)
+class Seen(Unchanging):
     """Ranges over the training recordings.
 
     Attributes
@@ -35,8 +36,8 @@ class Seen:
         return np.clip(x, self.low - margin, self.high + margin)
 
 
-@dataclass(frozen=True)
-class Beginning:
+@dataclass(frozen=True, eq=False)
+class Beginning(Unchanging):
     """What each memory is expected to hold, given the standardised conductance x at the start: offset + gain x.
 
     Attributes

@@ -9,6 +9,7 @@ from compensation.memories.ema import log_retention, start_samples
 from compensation.memories.history import RunningHistory
 from compensation.model.compensator import Fitted, TrainedCompensator, trained
 from compensation.model.runtime import Status, beginning_of, check_streams, fault_of, limits_of, ranges_of
+from gcode.support.kinds import number
 
 
 class CompensatorStream:
@@ -59,6 +60,9 @@ class CompensatorStream:
         self._limits = limits_of(compensator)
         self.reset()
 
+    def __repr__(self) -> str:
+        return f"<CompensatorStream: {self.value:.4g} {self._compensator.unit}, {self.status.name}>"
+
     def reset(self) -> None:
         """Forget everything: the next sample is the first."""
         count = len(self._compensator.alphas)
@@ -82,9 +86,15 @@ class CompensatorStream:
         -------
         float
             Force (N) or displacement (mm); `status` says whether it is good.
+
+        Raises
+        ------
+        UserError
+            If either is none of these, such as a text; what is no number (NaN) is a faulty sample.
         """
         compensator = self._compensator
-        step_s = 1.0 / compensator.rate_hz if dt_s is None or self._first else dt_s
+        conductance_S = number("conductance_S", conductance_S)
+        step_s = 1.0 / compensator.rate_hz if dt_s is None or self._first else number("dt_s", dt_s)
         fault = fault_of(conductance_S, step_s)
         if fault:
             self.status = fault

@@ -184,12 +184,14 @@ def _open_results(path: Path, task: Task) -> list[dict[str, Any]]:
         whole = text[: text.rfind("\n") + 1]
         first, *rows = [json_of(line, "search") for line in whole.splitlines()]
     except ValueError:
-        raise UserError(f"{path}: not a search of knitbench; choose another file with -o") from None
+        raise UserError(f"{path}: not a search of knitbench; choose another file") from None
     if first != header:
-        raise UserError(f"{path}: holds a search of other recordings, target or engine; choose another file with -o")
+        raise UserError(f"{path}: holds a search of other recordings, target or engine; choose another file")
     for line, row in enumerate(rows, start=2):
         if not _is_result(row):
-            raise UserError(f"{path}: line {line} is not a result of a search; take the line out, or use another -o")
+            raise UserError(
+                f"{path}: line {line} is not a result of a search; take the line out, or give another file"
+            )
     if whole != text:
         # A kill in the middle of a line: that job is done again.
         write_text(path, whole)

@@ -25,14 +25,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--machine-acceleration",
+        dest="machine",
         type=float,
         metavar="MM/S2",
         help="the controller's own, default: 5 a-max (what the file says of it counts for nothing)",
     )
     parser.add_argument("--j-max", type=float, metavar="MM/S3", help="jerk limit (default: none)")
-    parser.add_argument("--rapid", type=float, metavar="MM/S", help="speed of G0 moves; without it they are refused")
     parser.add_argument(
-        "--max-dwell-s", type=float, metavar="S", help="longest dwell; default 120 in files that others made"
+        "--rapid",
+        dest="rapid_mm_per_s",
+        type=float,
+        metavar="MM/S",
+        help="speed of G0 moves; without it they are refused",
+    )
+    parser.add_argument(
+        "--max-dwell-s",
+        dest="longest_dwell_s",
+        type=float,
+        metavar="S",
+        help="longest dwell; default 120 in files that others made",
     )
     parser.add_argument(
         "--as-foreign", action="store_true", help="do not hold a program of ours against the recipe in its header"
@@ -56,15 +67,14 @@ def run(args: argparse.Namespace) -> int:
         x_min_mm=args.x_min,
         x_max_mm=args.x_max,
     )
-    acceleration = args.machine_acceleration
-    machine = None if acceleration is None else Machine(acceleration_mm_per_s2=acceleration)
+    machine = None if args.machine is None else Machine(acceleration_mm_per_s2=args.machine)
     result, origin = check_file(
         read_text(args.program),
         limits,
         args.rate_hz,
         machine,
-        rapid_mm_per_s=args.rapid,
-        longest_dwell_s=args.max_dwell_s,
+        rapid_mm_per_s=args.rapid_mm_per_s,
+        longest_dwell_s=args.longest_dwell_s,
         as_foreign=args.as_foreign,
     )
     if args.json:

@@ -14,7 +14,7 @@ from gcode.motion.blocks import MOST_SAMPLES, Motion
 from gcode.motion.statistics import MotionStatistics, motion_statistics
 from gcode.support.errors import UserError
 from gcode.support.html import card
-from gcode.support.kinds import number
+from gcode.support.kinds import instance, number
 from gcode.trajectories.bounds import Limits, excesses
 from gcode.trajectories.trajectory import Trajectory, sampled
 
@@ -153,14 +153,15 @@ def _other_controller(program: Program, limits: Limits) -> str:
     if not stated or abs(stated - used) < 1e-9 * used:
         return ""
     return (
-        f" (judged with a controller of {used:g} mm/s2; the file was written for {stated:g}: if yours is set so, say "
-        f"--machine-acceleration {stated:g})"
+        f" (judged with a controller of {used:g} mm/s2; the file was written for {stated:g}: if yours is set so, "
+        "give it as `machine`)"
     )
 
 
 def _machine(machine: Machine | None, limits: Limits, rapid_mm_per_s: float | None) -> Machine:
     """The controller to judge with: the given one or that of `ACCELERATION_FACTOR`, at the stated rapid speed."""
-    machine = machine or Machine(acceleration_mm_per_s2=ACCELERATION_FACTOR * limits.a_max_mm_per_s2)
+    usual = Machine(acceleration_mm_per_s2=ACCELERATION_FACTOR * limits.a_max_mm_per_s2)
+    machine = usual if machine is None else instance("machine", machine, Machine)
     if rapid_mm_per_s is None:
         return machine
     return Machine(**{**machine.model_dump(), "rapid_mm_per_s": rapid_mm_per_s})
@@ -178,7 +179,7 @@ def _unplayed(program: Program, rate_hz: float) -> str:
     if seconds > LONGEST_RUN_S:
         return f"not executed, since it would take {_long(seconds)}: more than {_long(LONGEST_RUN_S)} is refused"
     if seconds * rate_hz > MOST_SAMPLES:
-        return f"not executed, since {_long(seconds)} at {rate_hz:g} Hz are too many samples; lower --rate-hz"
+        return f"not executed, since {_long(seconds)} at {rate_hz:g} Hz are too many samples; lower `rate_hz`"
     return ""
 
 
@@ -212,7 +213,7 @@ def _feeds(program: Program, limits: Limits, rapid_mm_per_s: float | None) -> li
     fast = np.isfinite(feed) & moving & (feed > limit * 1.001)
     found = _first(fast, program, lambda i: f"feed {feed[i]:.4g} mm/s is above v max {limit:g} mm/s")
     if rapid_mm_per_s is None:
-        found += _first(rapid, program, lambda i: "a G0 move has no known speed; use G1, or state --rapid")
+        found += _first(rapid, program, lambda i: "a G0 move has no known speed; use G1, or state `rapid_mm_per_s`")
     elif number("rapid_mm_per_s", rapid_mm_per_s) > limit:
         text = f"a G0 move at {rapid_mm_per_s:g} mm/s is above v max {limit:g} mm/s"
         found += _first(rapid, program, lambda i: text)
@@ -221,7 +222,7 @@ def _feeds(program: Program, limits: Limits, rapid_mm_per_s: float | None) -> li
 
 def _dwells(program: Program, longest_s: float) -> list[Problem]:
     dwell = program.dwell_s
-    text = f"longer than {longest_s:g} s; P is in seconds, is this milliseconds? (--max-dwell-s)"
+    text = f"longer than {longest_s:g} s; P is in seconds, is this milliseconds? (see `longest_dwell_s`)"
     return _first(dwell > longest_s, program, lambda i: f"G4 P{dwell[i]:g} dwells {text}")
 
 

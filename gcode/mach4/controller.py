@@ -96,7 +96,7 @@ def play(program: Program, rate_hz: float = 20.0, machine: Machine | None = None
     """
     if not 0 < number("rate_hz", rate_hz) <= 100_000:
         raise UserError(f"rate_hz must be above 0 and at most 100000, got {rate_hz:g}")
-    motion = execute(program, machine or machine_for(program))
+    motion = execute(program, machine_for(program) if machine is None else machine)
     if motion.end_s > MAX_PLAYED_S:
         raise UserError(f"program: it would take {motion.end_s:.3g} s; more than a week is not played")
     return sampled(motion.positions(rate_hz), rate_hz)

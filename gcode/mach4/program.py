@@ -9,7 +9,7 @@ import numpy as np
 
 from gcode.motion.blocks import Blocks
 from gcode.support.errors import UserError
-from gcode.support.read_only import keep_read_only
+from gcode.support.read_only import Unchanging
 from gcode.trajectories.trajectory import Trajectory, sampled
 
 MOST_HZ, MOST_STEPS = 10_000.0, 100_000_000  # of a plan; a week at 100 Hz has 60 million
@@ -27,7 +27,7 @@ class Problem:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Program:
+class Program(Unchanging):
     """Moves and dwells of a program, one element a block.
 
     Attributes
@@ -64,9 +64,6 @@ class Program:
     header: Mapping[str, str] = field(default_factory=dict)
     problems: tuple[Problem, ...] = ()
     unsaid: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        keep_read_only(self, "header")
 
     def __repr__(self) -> str:
         places = np.append(self.position_mm, self.start_mm)

@@ -91,7 +91,7 @@ def provenance(text: str, program: Program) -> Provenance:
     return _different(lines, wanted, broken, keys.get("version", ""))
 
 
-REMEDY = "make it again with `gcode generate`, or judge it as anybody's with --as-foreign"
+REMEDY = "make it again with `gcode generate`, or judge it as anybody's with `as_foreign`"
 
 
 def _different(lines: list[str], wanted: list[str], broken: str, version: str) -> Provenance:

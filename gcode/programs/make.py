@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -60,9 +60,9 @@ class Made:
     seed: int
     gauge_length_mm: float
     feed_mode: FeedMode
-    trajectory: Trajectory
+    trajectory: Trajectory = field(compare=False)
     program: str
-    executed: Trajectory
+    executed: Trajectory = field(compare=False)
     statistics: MotionStatistics
 
     def __repr__(self) -> str:

@@ -4,6 +4,9 @@ A sub-command is a module with ``SUMMARY`` (one line), ``EXAMPLE`` (shown under 
 ``add_arguments(parser)`` and ``run(args) -> int | None``. Heavy imports belong inside ``run``,
 so that ``--help`` answers at once. A command never writes over a file that it reads, but where ``IN_PLACE`` says so:
 ``{"output": "model"}`` lets a new model take the place of the one it came from.
+
+Messages come from the public functions, and name their parameters in backticks: ``give `held_out` ``. Here, and
+nowhere else, such a name becomes the option of the command that runs: ``give --held-out``.
 """
 
 from __future__ import annotations
@@ -33,6 +36,7 @@ MOST_PROCESSES = 1024
 # Of the environment: libraries end in a traceback where these are no such numbers, some while they are imported.
 NUMBERS = {"SOURCE_DATE_EPOCH": (0, 99_999_999_999), "NUMBA_NUM_THREADS": (1, MOST_PROCESSES)}
 EXIT_BAD_INPUT = 2
+_OPTIONS: dict[str, str] = {}  # of the command that runs, by the name of the parameter in small letters
 EXIT_INTERRUPTED = 130
 
 
@@ -65,7 +69,8 @@ def build_parser(prog: str, description: str, package: str, commands: Sequence[s
         )
         module.add_arguments(sub)
         in_place = getattr(module, "IN_PLACE", {})
-        sub.set_defaults(run=module.run, command=f"{prog} {name}", in_place=in_place)
+        options = {action.dest.lower(): action.option_strings[-1] for action in sub._actions if action.option_strings}
+        sub.set_defaults(run=module.run, command=f"{prog} {name}", in_place=in_place, options=options)
     return parser
 
 
@@ -87,6 +92,8 @@ def main(prog: str, description: str, package: str, commands: Sequence[str], arg
 
 
 def _run(args: argparse.Namespace, words: Sequence[str]) -> int:
+    _OPTIONS.clear()
+    _OPTIONS.update(args.options)
     try:
         check_environment()
         check_words(words)
@@ -181,7 +188,11 @@ def _fail(command: str, message: str) -> int:
 
 
 def printable(text: str) -> str:
-    """`text` with what would steer a terminal escaped: messages quote files, and files come from strangers."""
+    """`text` with what would steer a terminal escaped: messages quote files, and files come from strangers.
+
+    Parameters of Python are named as options of the command that runs.
+    """
+    text = re.sub(r"`(\w+)`", lambda name: _OPTIONS.get(name[1].lower(), name[0]), text)
     if text.replace("\n", "").replace("\t", "").isprintable():
         return text
     return "".join(char if char.isprintable() or char in "\n\t" else ascii(char)[1:-1] for char in text)

@@ -50,21 +50,19 @@ def atomic_path(path: str | Path, *, recorded: bool = False) -> Iterator[Path]:
         disk.DISK.rename(temporary, path)
         disk.sync_quietly(path.parent)
     except OSError as error:
-        raise UserError(f"cannot write {path}: {error.strerror or error}; choose another place with -o") from error
+        raise UserError(f"cannot write {path}: {error.strerror or error}; choose another place") from error
     finally:
         with contextlib.suppress(OSError):
             temporary.unlink(missing_ok=True)
 
 
-def check_place(path: str | Path | None, flag: str = "-o", overwrite: bool = False) -> None:
+def check_place(path: str | Path | None, overwrite: bool = False) -> None:
     """Refuse a place that no file can be written to, before the work whose result would be lost there.
 
     Parameters
     ----------
     path : path, optional
         Where a file will be written; None and "-" (standard output) are let through.
-    flag : str
-        The option that it came with, for the message.
     overwrite : bool
         Whether a person said that a file there may go, which then may be a recording; but none of a campaign.
 
@@ -77,18 +75,18 @@ def check_place(path: str | Path | None, flag: str = "-o", overwrite: bool = Fal
     if path is None or str(path) == "-":
         return
     path = path_of(path)
-    _check_replaceable(path, flag, overwrite)
+    _check_replaceable(path, overwrite)
     try:
         folder = path.resolve().parent
         there, free = folder.is_dir(), os.access(folder, os.W_OK | os.X_OK, effective_ids=True)
     except (OSError, RuntimeError, ValueError) as error:
-        raise UserError(f"cannot write {path}: {error}; choose another place with {flag}") from None
+        raise UserError(f"cannot write {path}: {error}; choose another place") from None
     if not there or not free:
         why = "its folder cannot be written" if there else "its folder does not exist"
-        raise UserError(f"cannot write {path}: {why}; choose another place with {flag}")
+        raise UserError(f"cannot write {path}: {why}; choose another place")
 
 
-def _check_replaceable(path: Path, flag: str = "-o", overwrite: bool = False) -> None:
+def _check_replaceable(path: Path, overwrite: bool = False) -> None:
     """A file takes the place of a file, or of nothing: root must not lose /dev/null to a model.
 
     What our commands cannot make again is not replaced: a recording, or data and programs that others wrote.
@@ -98,15 +96,15 @@ def _check_replaceable(path: Path, flag: str = "-o", overwrite: bool = False) ->
     except OSError:
         return
     except ValueError as error:  # a zero byte in its name
-        raise UserError(f"cannot write {path}: {error}; choose another place with {flag}") from None
+        raise UserError(f"cannot write {path}: {error}; choose another place") from None
     if stat.S_ISREG(mode) or (stat.S_ISLNK(mode) and not path.is_dir()):
         if there := _irreplaceable(path, overwrite):
-            raise UserError(f"cannot write {path}: {there}; choose another place with {flag}")
+            raise UserError(f"cannot write {path}: {there}; choose another place")
         if stat.S_ISREG(mode) and not os.access(path, os.W_OK, effective_ids=True):
-            raise UserError(f"cannot write {path}: it is write-protected; choose another place with {flag}")
+            raise UserError(f"cannot write {path}: it is write-protected; choose another place")
         return
     what = "a folder" if path.is_dir() else "a device or a pipe"
-    raise UserError(f"cannot write {path}: it is {what}; give the name of a file with {flag}")
+    raise UserError(f"cannot write {path}: it is {what}; give the name of a file")
 
 
 def _irreplaceable(path: Path, overwrite: bool) -> str:
@@ -214,7 +212,7 @@ def _move(draft: Path, folder: Path) -> None:
     except OSError as error:
         if error.errno not in (errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR):
             raise
-        raise UserError(f"{folder}: another program has just written there; choose another place with -o") from None
+        raise UserError(f"{folder}: another program has just written there; choose another place") from None
 
 
 def clear_drafts(folder: Path) -> None:
@@ -240,7 +238,7 @@ def make_folder(path: str | Path) -> Path:
         path.mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:  # ValueError: a zero byte in its name
         why = getattr(error, "strerror", None) or error
-        raise UserError(f"cannot make the folder {path}: {why}; choose another with -o") from error
+        raise UserError(f"cannot make the folder {path}: {why}; choose another") from error
     return path
 
 

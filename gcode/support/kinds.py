@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import operator
 import os
 from collections.abc import Sequence
-from numbers import Real
+from numbers import Integral, Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -59,9 +58,22 @@ def whole(name: str, value: Any, least: int) -> int:
     UserError
         If it is none, or less than `least`.
     """
-    if isinstance(value, bool | str) or not hasattr(value, "__index__") or operator.index(value) < least:
+    if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
         raise UserError(f"{name} must be a whole number, {least} or more, got {value!r}")
-    return operator.index(value)
+    return int(value)
+
+
+def flag(name: str, value: Any) -> bool:
+    """A yes or no that was given, of Python or of numpy.
+
+    Raises
+    ------
+    UserError
+        If it is neither: a text such as "no" is a yes to Python.
+    """
+    if repr(value) not in ("True", "False", "np.True_", "np.False_"):
+        raise UserError(f"{name} must be True or False, got {value!r}")
+    return bool(value)
 
 
 def instance(name: str, value: Any, kind: type[Wanted]) -> Wanted:

@@ -9,7 +9,7 @@ import numpy as np
 
 from gcode.motion.path import Frame
 from gcode.support.errors import UserError
-from gcode.support.read_only import keep_read_only
+from gcode.support.read_only import Unchanging
 from gcode.trajectories.natural import Noise
 from gcode.trajectories.planning import plan
 from gcode.trajectories.target import NAMES, Target, trial
@@ -22,15 +22,12 @@ _NEAR = 0.03
 
 
 @dataclass(frozen=True)
-class FitResult:
+class FitResult(Unchanging):
     """The spec found, and what four other seeds give with it: mean and worst relative deviation of each statistic."""
 
     spec: TrajectorySpec
     mean: Mapping[str, float]
     worst: Mapping[str, float]
-
-    def __post_init__(self) -> None:
-        keep_read_only(self, "mean", "worst")
 
     @property
     def near(self) -> bool:

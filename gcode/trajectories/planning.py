@@ -89,7 +89,8 @@ def whole_path(
 
 def check_request(spec: TrajectorySpec, seed: int, gauge_length_mm: float) -> None:
     """Refuse a gauge length, a seed or a length of run that cannot be planned."""
-    is_length = isinstance(gauge_length_mm, Real) and np.isfinite(gauge_length_mm)
+    is_number = isinstance(gauge_length_mm, Real) and not isinstance(gauge_length_mm, bool)
+    is_length = is_number and np.isfinite(gauge_length_mm)
     if not (is_length and SHORTEST_GAUGE_MM <= gauge_length_mm <= LONGEST_GAUGE_PLANNED_MM):
         came = f"{gauge_length_mm:g} mm" if is_length else repr(gauge_length_mm)
         allowed = f"{SHORTEST_GAUGE_MM:g} to {LONGEST_GAUGE_PLANNED_MM:g} mm"

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from gcode.support.errors import UserError
+from gcode.support.read_only import read_only
 from gcode.trajectories.natural import Noise
 from gcode.trajectories.target import NAMES, Target
 from gcode.trajectories.trajectory import Limits, TrajectorySpec
@@ -30,12 +33,14 @@ _FAST = Noise(
 
 # Targets and fastest strokes are those of the paper's Table 1 and of its fast set; each seed is tuned to them. The
 # shapes to start from were found by `gcode fit` at a gauge length of 25 mm.
-PRESETS: dict[str, TrajectorySpec] = {
-    "paper-1": _spec("paper-1", _SLOW, (0.943, 0.593, 1.397, 1.303), 4.142, 20.0),
-    "paper-2": _spec("paper-2", _SLOW, (0.979, 0.617, 1.497, 1.343), 4.93, 20.0),
-    "paper-3": _spec("paper-3", _SLOW, (1.03, 0.644, 1.546, 1.414), 4.039, 20.0),
-    "fast": _spec("fast", _FAST, (2.87, 2.06, 9.27, 7.87), 14.0, 70.0),
-}
+PRESETS: Mapping[str, TrajectorySpec] = read_only(
+    {
+        "paper-1": _spec("paper-1", _SLOW, (0.943, 0.593, 1.397, 1.303), 4.142, 20.0),
+        "paper-2": _spec("paper-2", _SLOW, (0.979, 0.617, 1.497, 1.343), 4.93, 20.0),
+        "paper-3": _spec("paper-3", _SLOW, (1.03, 0.644, 1.546, 1.414), 4.039, 20.0),
+        "fast": _spec("fast", _FAST, (2.87, 2.06, 9.27, 7.87), 14.0, 70.0),
+    }
+)
 
 
 def preset(name: str) -> TrajectorySpec:
@@ -61,6 +66,6 @@ def preset(name: str) -> TrajectorySpec:
     >>> gcode.preset("paper-1").limits.a_max_mm_per_s2
     20.0
     """
-    if name not in PRESETS:
+    if name not in list(PRESETS):  # a list has no hash
         raise UserError(f"preset must be one of {', '.join(PRESETS)}; got {name!r}")
     return PRESETS[name]

@@ -6,20 +6,13 @@ import json
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
-from gcode.support.errors import UserError, first_problem
-from gcode.support.strict import read_toml
+from gcode.support.strict import read_toml, validated
 from gcode.trajectories.trajectory import TrajectorySpec
 
 
 def read_spec(path: str | Path) -> TrajectorySpec:
     """Read a spec; every fault names the file and the field."""
-    data = read_toml(path)
-    try:
-        return TrajectorySpec.model_validate(data)
-    except ValidationError as error:
-        raise UserError(f"{path}: {first_problem(error)}") from error
+    return validated(read_toml(path), TrajectorySpec, path, "spec")
 
 
 def spec_to_toml(spec: TrajectorySpec) -> str:

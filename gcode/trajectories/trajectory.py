@@ -14,6 +14,7 @@ from gcode.support import files
 from gcode.support.errors import UserError
 from gcode.support.figures import outline, panels
 from gcode.support.html import card, strips
+from gcode.support.read_only import Unchanging
 from gcode.support.strict import check_plain
 from gcode.trajectories.bounds import Limits
 from gcode.trajectories.designed import AnyPiece, Protocol
@@ -81,7 +82,7 @@ class TrajectorySpec(SpecModel):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Trajectory:
+class Trajectory(Unchanging):
     """Position over time, uniformly sampled.
 
     Attributes

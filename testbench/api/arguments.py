@@ -80,11 +80,7 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
     table = _columns_in(source)
     _check_names(str(name) for name, _ in table)
     named = {str(name): values for name, values in table}
-    columns = {
-        name: np.array(numbers("read", name, values))  # a copy: the table stays the user's
-        for name, values in named.items()
-        if not _is_remark(name, values)
-    }
+    columns = {name: numbers("read", name, values) for name, values in named.items() if not _is_remark(name, values)}
     if TIME not in columns:
         raise UserError(f"read: no column {TIME} (found: {listed(named, columns)}); rename yours")
     if gauge_length_mm is None and DISPLACEMENT in columns:

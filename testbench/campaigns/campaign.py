@@ -58,9 +58,7 @@ def simulate_campaign(
         # Intake: a rig that delivers at once has no host time to hold its clock against.
         status = _fill(draft, plan, motion, report, at_once(plan.rig(motion)), Intake(host_clock=False))
         if status.state in DISK_STATES:
-            raise UserError(
-                f"{folder}: nothing was kept, {status.message}; make room, or choose another place with -o"
-            )
+            raise UserError(f"{folder}: nothing was kept, {status.message}; make room, or choose another place")
         _check_accepted(folder, status)
     return status
 

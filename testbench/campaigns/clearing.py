@@ -66,17 +66,15 @@ def check_vacant(folder: Path, overwrite: bool = False, origin: str = "simulated
     if not folder.exists() or (folder.is_dir() and not any(folder.iterdir())):
         return
     if not folder.is_dir() or not (folder / manifest.NAME).is_file():
-        raise UserError(f"{folder}: exists and is not a campaign; choose another place with -o")
+        raise UserError(f"{folder}: exists and is not a campaign; choose another place")
     if (there := origin_of(folder)) != origin:
-        raise UserError(
-            f"{folder}: holds a campaign that was {there}, which is not overwritten; choose another with -o"
-        )
+        raise UserError(f"{folder}: holds a campaign that was {there}, which is not overwritten; choose another")
     if not overwrite:
-        raise UserError(f"{folder}: holds another campaign; choose another place with -o, or add --overwrite")
+        raise UserError(f"{folder}: holds another campaign; choose another place, or give `overwrite`")
     if strange := sorted(path.name for path in folder.iterdir() if not _ours(path)):
         raise UserError(
             f"{folder}: beside its campaign it holds {strange[0]!r}, which would be lost; move that away, or choose "
-            "another place with -o"
+            "another place"
         )
 
 

@@ -33,6 +33,6 @@ def live_compensator(path: str | Path, folder: str | Path) -> Following:
     for point in entry_points(group=GROUP, name=NAME):
         return point.load()(path, folder)
     raise UserError(
-        f"--compensator {path}: nothing here can run a compensator; install knitbench anew (`make setup`), so that "
+        f"{path}: nothing here can run a compensator; install knitbench anew (`make setup`), so that "
         f"its entry point {GROUP} is known"
     )

@@ -180,7 +180,7 @@ def programs_before(
         if earlier.gauge_length_mm != gauge_length_mm:
             raise UserError(
                 f"{source}: its gauge length is {earlier.gauge_length_mm:g} mm, this one's {gauge_length_mm:g} mm; "
-                "give --gauge-length-mm"
+                "give `gauge_length_mm`"
             )
         programs += [*earlier.past, earlier.program]
     return tuple(programs)

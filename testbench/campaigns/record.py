@@ -91,7 +91,7 @@ def job_of(folder: Path, port: str | None = None, give_up_s: float = GIVE_UP_S) 
     if campaign.origin != "recorded":
         raise UserError(f"{folder}: this campaign was {campaign.origin}; only a recorded one can be continued")
     if campaign.status == "complete":
-        raise UserError(f"{folder}: this recording is complete; choose another folder with -o for a new one")
+        raise UserError(f"{folder}: this recording is complete; choose another folder for a new one")
     recipe = campaign.recipe
     port = remembered_port(recipe["port"], folder / NAME) if port is None else stated_port(port)
     force_N, strain = recipe["max_force_N"], recipe["max_strain"]

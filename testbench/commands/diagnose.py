@@ -44,7 +44,7 @@ def run(args: argparse.Namespace) -> int:
     from gcode.support.files import check_place
     from testbench.api.missing.diagnosing import diagnose
 
-    check_place(args.json, "--json")
+    check_place(args.json)
     check_place(args.output)
     tell = False if args.quiet else Refits(min(args.repeat, USUAL_ROUNDS))
     found = diagnose(

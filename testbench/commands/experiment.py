@@ -37,8 +37,8 @@ def run(args: argparse.Namespace) -> int:
         raise UserError("experiment: --diagnosis goes with --fit RECORDING and without MODEL files")
     if not args.diagnosis and len(args.models) < 2:
         raise UserError("experiment: give two rival MODEL files, or --diagnosis JSON --fit RECORDING")
-    check_place(args.json, "--json")
-    check_place(args.plot, "--plot")
+    check_place(args.json)
+    check_place(args.plot)
     tell = Telling("motion", len(MENU), "imitating on")
     found = next_experiment(
         args.diagnosis or args.models,

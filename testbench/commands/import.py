@@ -130,7 +130,6 @@ def run(args: argparse.Namespace) -> int:
 
 def wish_of(args: argparse.Namespace) -> Wish:
     """What the command line says about the file."""
-    from gcode.support.errors import UserError
     from testbench.importing.sheet import Hints
     from testbench.importing.wish import Wish
 
@@ -139,8 +138,6 @@ def wish_of(args: argparse.Namespace) -> Wish:
     units = {name: getattr(args, f"{name}_unit") for name, _ in UNITS}
     units["relative_change"] = units["relative"]
     zero = dict(part.partition("=")[::2] for part in args.zero)
-    if args.separator == "":
-        raise UserError("--separator must be a character between columns, got nothing; leave it out")
     return Wish(
         gauge_length_mm=args.gauge_length_mm,
         columns={role: column for role, column in columns.items() if column is not None},
@@ -154,7 +151,7 @@ def wish_of(args: argparse.Namespace) -> Wish:
         sort=args.sort,
         drop_bad=args.drop_bad,
         hints=Hints(
-            separator=args.separator.replace("\\t", "\t") if args.separator else None,
+            separator=args.separator and args.separator.replace("\\t", "\t"),
             decimal=args.decimal,
             thousands=args.thousands,
             encoding=args.encoding,

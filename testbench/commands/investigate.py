@@ -78,7 +78,7 @@ def run(args: argparse.Namespace) -> int:
     from testbench.rig.acquisition.status_words import terminal
     from testbench.rig.acquisition.stopping import stop_signals
 
-    check_place(args.json, "--json")
+    check_place(args.json)
     _check_resumed(args)
     to_stdout = args.json == "-"
     say = sys.stderr if to_stdout else sys.stdout

@@ -40,8 +40,8 @@ def run(args: argparse.Namespace) -> int:
     from testbench.api.missing.proposing import check_effect_file, propose
     from testbench.api.progress import Counting, clear_line
 
-    check_place(args.json, "--json")
-    check_place(args.save_model, "--save-model")
+    check_place(args.json)
+    check_place(args.save_model)
     catalogue = catalogue_of(args.effects)
     output, picture = check_effect_file(args.output, args.plot, catalogue, args.laws)
     args.plot = str(picture)

@@ -130,5 +130,5 @@ def may_be_clamped_anew(model: KnitModel, held: Measurement) -> str:
     fall = " and ".join(f"of the {channel_name(c)} from {here[c]:.3g} to {there[c]:.3g} {UNIT_OF[c]}" for c in falls)
     return (
         f"{held.recording.source}: counted {abs(shift_mm):g} mm {'further' if shift_mm > 0 else 'less far'}, its "
-        f"displacement would take the held-out error {fall}; if the sensor was clamped anew, say --clamp-play-mm"
+        f"displacement would take the held-out error {fall}; if the sensor was clamped anew, say `clamp_play_mm`"
     )

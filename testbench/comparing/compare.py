@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from gcode.support.read_only import Unchanging
 from testbench.comparing.cell import Cell
 from testbench.comparing.model_errors import channel_name, noise_floors, rms_errors
 from testbench.comparing.numbers import over_noise
@@ -49,7 +50,7 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class Comparison(Unchanging):
     """Result of `compare`.
 
     Attributes

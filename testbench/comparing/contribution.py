@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcode.support.errors import UserError
+from gcode.support.read_only import Unchanging
 from testbench.fitting.evidence.telling import independent_share
 from testbench.fitting.parameters import free_parameters, shape_scales
 from testbench.fitting.sensitivity import sensitivities
@@ -18,21 +19,21 @@ from testbench.measurements.measurement import Measurement
 from testbench.measurements.noise_level import robust_sd
 
 
-@dataclass(frozen=True)
-class Contribution:
+@dataclass(frozen=True, eq=False)
+class Contribution(Unchanging):
     """Residual and predicted contribution over the samples that count.
 
     Attributes
     ----------
     time_s : ndarray, shape (n,)
-    residual, added : dict of channel to ndarray, shape (n,)
+    residual, added : mapping of channel to ndarray, shape (n,)
         What the model leaves, and what the effect would add; both without what a refit of the model's own
         parameters, or another offset of a channel, would take up. Force in N, conductance in ln S.
     """
 
     time_s: FloatArray
-    residual: dict[str, FloatArray]
-    added: dict[str, FloatArray]
+    residual: Mapping[str, FloatArray]
+    added: Mapping[str, FloatArray]
 
 
 def contribution(model: KnitModel, effect: Effect, measurement: Measurement) -> Contribution:

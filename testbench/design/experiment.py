@@ -100,7 +100,9 @@ def propose(
         imitations = [imitate(*pair, ahead, noise) for pair in itertools.permutations(rivals, 2)]
         options.append(Option(name, made, min(imitations, key=lambda one: one.log_odds)))
     if not options:
-        raise UserError("no designed protocol can be driven within these limits; raise --v-max or --a-max")
+        raise UserError(
+            "no designed protocol can be driven within these limits; raise that of speed or of acceleration"
+        )
     return sorted(options, key=lambda option: -option.hardest.log_odds)
 
 

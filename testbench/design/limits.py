@@ -26,7 +26,7 @@ def bounds_with(said: Mapping[str, float], gauge_length_mm: float) -> Bounds:
     UserError
         If there is no such field, a value is not positive, or another gauge length was said than the sensor has.
     """
-    if said.get("gauge_length_mm", gauge_length_mm) != gauge_length_mm:
+    if "gauge_length_mm" in said and said["gauge_length_mm"] != gauge_length_mm:
         raise UserError(
             f"bounds: the gauge length is {gauge_length_mm:g} mm, got {said['gauge_length_mm']!r}; for a sensor of "
             "another length give gauge_length_mm beside bounds"

@@ -76,7 +76,7 @@ def calibration_and_held_out(
     calibration, held = split(recordings[0], held_out, clamp_play_mm=clamp_play_mm)
     if len(recordings) > 1:
         if held_out is None:
-            raise UserError("several recordings are one history: say with --held-out which other one to judge on")
+            raise UserError("several recordings are one history: give another one to judge on as `held_out`")
         if not 0 < rest_s < MOST_REST_S:
             raise UserError(f"rest_s: must be more than 0 and less than {MOST_REST_S:g} s, got {rest_s:g}")
         rests_s = [rest_s] * len(recordings)

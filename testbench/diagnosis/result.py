@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from gcode.support.read_only import free_copy, keep_read_only
+from gcode.support.read_only import Unchanging, free_copy
 from testbench.diagnosis.held_out import Interval
 from testbench.diagnosis.judging.rounds import Verdict
 from testbench.knit.effect import Effect
@@ -79,7 +79,7 @@ class Found:
 
 
 @dataclass(frozen=True)
-class Diagnosis:
+class Diagnosis(Unchanging):
     """Result of `diagnose`.
 
     Attributes
@@ -125,9 +125,6 @@ class Diagnosis:
     error_before: Mapping[str, float]
     error_after: Mapping[str, float]
     noise_floor: Mapping[str, float]
-
-    def __post_init__(self) -> None:
-        keep_read_only(self, "probabilities", "error_before", "error_after", "noise_floor")
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready form; the shape is documented in docs/finding-effects.md."""

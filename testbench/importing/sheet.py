@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gcode.support.errors import UserError
+from gcode.support.kinds import whole
 
 if TYPE_CHECKING:
     import numpy as np
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from testbench.importing.layout import Layout
 
 HEAD_ROWS = 200
-_SIGNS = {"decimal": ",."}
+APART = (",", ".", "'", "’", " ", "\u00a0", "\u202f")  # what parts thousands
 
 
 @dataclass(frozen=True)
@@ -48,15 +49,23 @@ class Hints:
     units_row: int | None = None
 
     def __post_init__(self) -> None:
-        for name in ("decimal", "thousands", "separator", "encoding", "sheet"):
-            text, allowed = getattr(self, name), _SIGNS.get(name)
-            if text is not None and (not isinstance(text, str) or (allowed and text not in allowed)):
-                must = f"one of {' '.join(map(repr, allowed))}" if allowed else "a text"
-                raise UserError(f"{name}: must be {must}, got {text!r}; leave it out where it is to be found")
+        for name in ("separator", "decimal", "thousands", "encoding", "sheet"):
+            if not isinstance(text := getattr(self, name), str | None):
+                raise UserError(f"`{name}` must be a text, got {text!r}; leave it out where it is to be found")
         for name in ("header_row", "units_row"):
-            row = getattr(self, name)
-            if row is not None and not isinstance(row, int):
-                raise UserError(f"{name}: must be a row of the file counting from 1, or 0 for none, got {row!r}")
+            if (row := getattr(self, name)) is not None:
+                object.__setattr__(self, name, whole(f"`{name}` (counted from 1, 0: there is none)", row, 0))
+        if self.decimal not in (None, ",", "."):
+            raise UserError(
+                f"`decimal` must be ',' or '.', got {self.decimal!r}; leave it out where it is to be found"
+            )
+        if self.separator is not None and (len(self.separator) != 1 or self.separator in '"\r\n'):
+            raise UserError(
+                f"`separator` must be one character between columns, such as ; or \\t, got {self.separator!r}"
+            )
+        if self.thousands is not None and (self.thousands not in APART or self.thousands == self.decimal):
+            others = ", ".join(repr(sign) for sign in APART[:5] if sign != self.decimal)
+            raise UserError(f"`thousands` must be one of {others}, got {self.thousands!r}")
 
     @property
     def decimal_said(self) -> str | None:

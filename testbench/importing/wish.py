@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Set
 from dataclasses import dataclass, field
-from numbers import Real
 
 from gcode.support.errors import UserError
+from gcode.support.kinds import flag, number, whole
+from gcode.support.read_only import Unchanging
 from testbench.importing.choice import NOT_THERE, Said
 from testbench.importing.sheet import Hints
 from testbench.importing.vocabulary.roles import ROLES
 
 
 @dataclass(frozen=True)
-class Wish:
+class Wish(Unchanging):
     """What a person says about a foreign file; all else is read from it.
 
     Attributes
@@ -68,16 +69,20 @@ class Wish:
         return any(self.columns.get(role) == NOT_THERE for role in roles)
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         for name in ("columns", "units", "time_of", "zero"):
             _check_by_role(name, getattr(self, name), or_none=name == "zero")
         if not isinstance(self.negate, Set):
             raise UserError(f"negate: must be a set of roles such as {{'force'}}, got {self.negate!r}")
         for name in ("rate_hz", "r0_ohm"):
-            value = getattr(self, name)
-            if value is not None and not (_is_number(value) and 0 < value < float("inf")):
+            if (value := getattr(self, name)) is not None and not 0 < number(name, value) < float("inf"):
                 raise UserError(
                     f"{name}: must be a positive number, got {value!r}; leave it out where it is not known"
                 )
+        if self.repeat is not None:
+            object.__setattr__(self, "repeat", whole("repeat", self.repeat, 0))
+        for name in ("sort", "drop_bad"):
+            object.__setattr__(self, name, flag(name, getattr(self, name)))
         if not isinstance(self.hints, Hints):
             raise UserError(f"hints: must be a testbench.Hints, got {self.hints!r}; tb.Hints(decimal=',')")
 
@@ -89,10 +94,6 @@ class Wish:
         """Columns that were given by name."""
         every = [*self.columns.values(), *self.time_of.values()]
         return [name for name in dict.fromkeys(every) if name != NOT_THERE and not name.strip().isdigit()]
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, Real) and not isinstance(value, bool)
 
 
 def _check_by_role(name: str, given: object, or_none: bool) -> None:

@@ -39,8 +39,8 @@ def after_alarm(folder: Path, settings: Settings) -> Settings:
     except UserError:
         raise UserError(
             f"{folder}: the force passed its limit at a strain of {reached:.3g} %, and no motion can be planned "
-            f"within {allowed:.3g} %; if the load cell was at fault, move {folder} away and go on with --resume, "
-            "else begin a new investigation with another --max-force-n"
+            f"within {allowed:.3g} %; if the load cell was at fault, move {folder} away and go on with `resume`, "
+            "else begin a new investigation with another `max_force_N`"
         ) from None
 
 

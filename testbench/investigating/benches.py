@@ -186,7 +186,7 @@ class PortBench:
             anew = ": this run is planned anew then, with less strain" if status.state == "alarm" else ""
             raise UserError(
                 f"{order.folder}: the recording ended early ({status.state}{': ' if status.message else ''}"
-                f"{status.message}); continue the investigation with --resume when the rig is ready{anew}"
+                f"{status.message}); continue the investigation with `resume` when the rig is ready{anew}"
             )
 
 

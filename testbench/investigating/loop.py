@@ -77,9 +77,11 @@ def begin(
         If something is there already.
     """
     if (folder / NAME).exists():
-        raise UserError(f"{folder}: holds an investigation already; continue it with --resume, or choose another -o")
+        raise UserError(
+            f"{folder}: holds an investigation already; continue it with `resume`, or choose another folder"
+        )
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise UserError(f"{folder}: exists and is not empty; choose another place with -o")
+        raise UserError(f"{folder}: exists and is not empty; choose another place")
     investigation = Investigation(sensor=sensor, settings=settings)
     keep(make_folder(folder))
     save_investigation(folder, investigation)

@@ -229,7 +229,7 @@ def load_investigation(folder: str | Path) -> Investigation:
     """
     path = Path(folder) / NAME
     if not path.is_file():
-        raise UserError(f"{folder}: no investigation in this folder ({NAME} is missing); start one with -o {folder}")
+        raise UserError(f"{folder}: no investigation in this folder ({NAME} is missing); begin one there")
     return load(path, Investigation, "investigation")
 
 

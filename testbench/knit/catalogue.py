@@ -191,7 +191,7 @@ class Catalogue:
             return self.effects[name]
         except KeyError:
             raise UserError(
-                f"no effect called {name}; `testbench effects` lists them all; your own need --effects FILE"
+                f"no effect called {name}; `testbench effects` lists them all; your own are named by `effects`"
             ) from None
 
     def add(self, effect: type[Effect], source: str) -> None:

@@ -28,7 +28,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import IntEnum
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NoReturn
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
@@ -171,8 +171,18 @@ class Effect(BaseModel):
         cls.mechanism = cls.mechanism or cls.name
 
     def __init__(self, *unnamed: Any, **parameters: Any) -> None:
-        """Raise `UserError` where a parameter is unknown or unnamed, or a value is no number or out of its bounds."""
+        """Raise `UserError` where a parameter is unknown or unnamed, or a value is no number or out of its bounds.
+
+        So, too, where the class does not declare where it acts, or on what.
+        """
         only_by_name(type(self), "parameters", unnamed)
+        declared = {"stage": Stage, "reads": tuple, "writes": tuple}
+        wrong = [name for name, kind in declared.items() if not isinstance(getattr(type(self), name, None), kind)]
+        if wrong:
+            raise UserError(
+                f"{type(self).__name__}: the class must declare its stage (a testbench.Stage) and what it reads and "
+                f"writes (tuples of names of signals); amiss: {', '.join(wrong)}"
+            )
         try:
             super().__init__(**parameters)
         except ValidationError as error:
@@ -189,6 +199,14 @@ class Effect(BaseModel):
                 bounds = bounds_of(field)
                 if value and not (bounds["low"] <= min(value) and max(value) <= bounds["high"]):
                     raise UserError(_allowed(type(self), key, value))
+
+    def __add__(self, other: object) -> NoReturn:
+        raise UserError(
+            f"{type(self).__name__} + ...: effects are put into a model: testbench.baseline() + effect, or "
+            "testbench.KnitModel.of(effect, effect)"
+        )
+
+    __radd__ = __add__
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         """Return new arrays for the signals in `writes`.

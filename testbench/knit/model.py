@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -10,7 +11,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from gcode.support.html import table
-from gcode.support.read_only import keep_read_only
+from gcode.support.read_only import Unchanging
 from testbench.knit.additive import AdditiveLaw
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of
@@ -21,10 +22,11 @@ if TYPE_CHECKING:
 OURS = "testbench.knit."  # effects from elsewhere are checked at every run
 FORMAT = "knitbench-model"
 FORMAT_VERSION = 1
+ADDRESS = re.compile(r"([^.]+)\.(\w+)(?:\[(\d{1,9})\])?")
 
 
 @dataclass(frozen=True)
-class KnitModel:
+class KnitModel(Unchanging):
     """Ordered, named effects.
 
     Attributes
@@ -44,13 +46,18 @@ class KnitModel:
     effects: Mapping[str, Effect] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        if not isinstance(self.effects, Mapping):
+            raise UserError(
+                f"KnitModel: effects must be a mapping of names to effects, got {type(self.effects).__name__}; "
+                "testbench.KnitModel.of(effect, ...) names them itself"
+            )
         for name, effect in self.effects.items():
-            if not isinstance(effect, Effect):
+            if not (isinstance(name, str) and isinstance(effect, Effect)):
                 raise UserError(
-                    f"KnitModel: {name} must be an effect, as testbench.effects.StressRelaxation(fraction=0.2), "
+                    f"KnitModel: {name!r} must name an effect, as testbench.effects.StressRelaxation(fraction=0.2), "
                     f"got {type(effect).__name__}"
                 )
-        keep_read_only(self, "effects")
+        super().__post_init__()
 
     @classmethod
     def of(cls, *effects: Effect) -> KnitModel:
@@ -150,7 +157,13 @@ class KnitModel:
         UserError
             If there is no such effect or parameter, or a value lies outside its bounds.
         """
+        if not hasattr(values, "items"):  # a Series of pandas has them
+            raise UserError(f"with_parameters: must be a mapping of addresses to numbers, got {values!r}")
         places = {parts_of(address): value for address, value in values.items()}
+        for name, key, index in places:
+            vector = getattr(self[name], key, None)
+            if index >= 0 and not (isinstance(vector, tuple) and index < len(vector)):
+                raise UserError(f"with_parameters: {name}.{key} has no number [{index}]; it is {vector!r}")
         changed = self.with_places(places.items()).effects
         return KnitModel({**changed, **{name: changed[name].replaced() for name, _, _ in places}})
 
@@ -240,9 +253,10 @@ class KnitModel:
 
 def parts_of(address: str) -> tuple[str, str, int]:
     """Effect, parameter, and index in its vector (-1: it is none) of ``effect.parameter[index]``."""
-    effect, _, key = address.partition(".")
-    base, bracket, index = key.partition("[")
-    return effect, base, int(index[:-1]) if bracket else -1
+    parts = ADDRESS.fullmatch(str(address))
+    if parts is None:
+        raise UserError(f"parameter {address!r}: must be effect.parameter, or effect.parameter[2] of a vector")
+    return parts[1], parts[2], int(parts[3] or -1)
 
 
 def signals_for(effect: Effect, state: Signals) -> dict[str, FloatArray]:

@@ -54,7 +54,7 @@ def write_template(name: str, path: Path) -> None:
     """
     check_name(name, str(path), BUILT_IN)
     if path.suffix != ".py":
-        raise UserError(f"{path}: an effects file is Python, and its name must end in .py; choose another with -o")
+        raise UserError(f"{path}: an effects file is Python, and its name must end in .py; choose another")
     if path.exists():
-        raise UserError(f"{path} exists already; choose another name, or another place with -o")
+        raise UserError(f"{path} exists already; choose another name, or another place")
     write_text(path, TEMPLATE.format(cls=class_name(name), name=name, file=path.name))

@@ -100,13 +100,13 @@ def _check_parts(calibration: Measurement, held: Measurement, cut_s: float) -> N
     if fewest < MIN_PART:
         raise UserError(
             f"{source}: too short to fit on one part and judge on the rest: {fewest} samples in the shorter part, "
-            f"at least {MIN_PART} are needed; record longer, or give another recording with --held-out"
+            f"at least {MIN_PART} are needed; record longer, or give another recording as `held_out`"
         )
     seen = calibration.signals["strain"][calibration.seen]
     if np.ptp(seen) < MIN_STRAIN_RANGE:
         raise UserError(
             f"{source}: too still to identify anything: the strain moves by {np.ptp(seen):.2%} in the first "
-            f"{cut_s:.0f} s, on which the model is fitted; give a recording that moves, and this one as --held-out"
+            f"{cut_s:.0f} s, on which the model is fitted; give a recording that moves, and this one as `held_out`"
         )
     for channel, values in calibration.measured.items():
         if np.ptp(values[calibration.counts]) == 0:

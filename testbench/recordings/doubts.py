@@ -37,7 +37,7 @@ def check_gap(recording: Recording) -> None:
     if rest_s < LEAST_RECORDED * recording.duration_s:
         raise UserError(
             f"{what}, beside {rest_s:.4g} s that were: too long a gap for one model run over it; cut the recording "
-            "there and use the parts, one of them as --held-out"
+            "there and use the parts, one of them as `held_out`"
         )
     if length_s > rest_s:
         say_once(f"{what}; a model is compared with a straight line there: better cut the recording there")

@@ -58,9 +58,7 @@ def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Re
     check_beside(path)
     frame = read_frame(path)
     if gauge_length_mm is None and DISPLACEMENT in frame:
-        raise UserError(
-            f"{path}: a bare CSV does not know its gauge length; give --gauge-length-mm (in Python: gauge_length_mm)"
-        )
+        raise UserError(f"{path}: a bare CSV does not know its gauge length; give `gauge_length_mm`")
     return _recording(path, frame, known_length(gauge_length_mm, str(path)))
 
 

@@ -177,7 +177,7 @@ def problems(folder: Path) -> list[str]:
     campaign, resources, intact = _read(folder)
     found = [] if intact else [f"{folder / NAME}: {CHANGED}"]
     if campaign.in_progress:
-        again = "run it again with --overwrite"
+        again = "run it again, and overwrite it"
         if campaign.origin == "recorded":
             again = f"continue it with `testbench record --resume -o {folder}`"
         return [*found, f"{folder}: unfinished; {again}"]

@@ -8,7 +8,7 @@ where both are there, ``displacement_mm`` may be.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from numbers import Real
@@ -19,7 +19,7 @@ import numpy as np
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from gcode.support.kinds import number, whole
-from gcode.support.read_only import keep_read_only, read_only_array
+from gcode.support.read_only import Unchanging, read_only_array
 from testbench.recordings.channels import DISPLACEMENT, RESISTANCE, TIME
 from testbench.recordings.checks import check
 from testbench.recordings.columns import numbers
@@ -67,7 +67,7 @@ def recorded_duration_s(time_s: FloatArray) -> float:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Recording:
+class Recording(Unchanging):
     """Time and named channels of one run; none of them is changed in place.
 
     Attributes
@@ -100,19 +100,12 @@ class Recording:
 
     def __post_init__(self) -> None:
         _check_kinds(self.source, self.channels, self.metadata)
-        self._keep({TIME: self.time_s, **self.channels})
-        check(self.source, self.time_s, self.channels, self.gauge_length_mm)
-
-    def _keep(self, columns: Mapping[str, Any]) -> None:
-        """Keep the columns as arrays that nobody changes, and nothing else that somebody could."""
-        arrays = {name: read_only_array(numbers(self.source, name, values)) for name, values in columns.items()}
+        columns = {TIME: self.time_s, **self.channels}
+        arrays = {name: numbers(self.source, name, values) for name, values in columns.items()}
         object.__setattr__(self, "time_s", arrays.pop(TIME))
         object.__setattr__(self, "channels", arrays)
-        keep_read_only(self, "channels", "metadata")
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update({each.name: state[each.name] for each in fields(self)})
-        self._keep({TIME: self.time_s, **self.channels})  # a pickle forgets that an array is not to be changed
+        super().__post_init__()
+        check(self.source, self.time_s, self.channels, self.gauge_length_mm)
 
     def __len__(self) -> int:
         return len(self.time_s)

@@ -23,9 +23,9 @@ def build_report(given: Inputs) -> Report:
         is gone.
     """
     if not (given.recordings or given.model or given.diagnoses or given.compensator):
-        raise UserError("nothing to report on; name a --recording, --model, --diagnosis or --compensator")
+        raise UserError("nothing to report on; name a recording, a model, a diagnosis or a compensator")
     if given.held_out and not given.recordings:
-        raise UserError("--held-out is judged beside the --recording that the model was fitted on; name that as well")
+        raise UserError("`held_out` is judged beside the recording that the model was fitted on; name that as well")
     opening: list[Item] = []
     parts: list[Section] = []
     verdict = ""

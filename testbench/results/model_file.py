@@ -13,7 +13,7 @@ from pydantic import ConfigDict, Field, model_validator
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
 from gcode.support.files import write_json
-from gcode.support.read_only import keep_read_only, read_only
+from gcode.support.read_only import Unchanging
 from gcode.support.strict import StrictModel, read_json, validated
 from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
 from testbench.knit.model import KnitModel
@@ -92,7 +92,7 @@ class _Rest(StrictModel):
 
 
 @dataclass(frozen=True)
-class ModelFile:
+class ModelFile(Unchanging):
     """What ``model.json`` holds.
 
     Attributes
@@ -113,10 +113,6 @@ class ModelFile:
     held_out: str = ""
     fit: Mapping[str, Any] = field(default_factory=dict)
     history: tuple[Mapping[str, Any], ...] = ()
-
-    def __post_init__(self) -> None:
-        keep_read_only(self, "fit")
-        object.__setattr__(self, "history", tuple(map(read_only, self.history)))
 
     @property
     def clamp_play_mm(self) -> float:

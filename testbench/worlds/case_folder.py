@@ -36,7 +36,7 @@ def write_case(folder: str | Path, case: Case) -> Path:
     """
     folder = make_folder(folder)
     if any(folder.iterdir()):
-        raise UserError(f"{folder}: the folder is not empty; choose another with -o")
+        raise UserError(f"{folder}: the folder is not empty; choose another")
     recordings, sealed = make_folder(folder / RECORDINGS), make_folder(folder / SEALED)
     write_recording_csv(recordings / "calibration.csv", case.calibration)
     write_recording_csv(recordings / "held_out.csv", case.held_out)

@@ -113,8 +113,8 @@ def test_a_comment_that_would_break_the_file_is_refused():
 @pytest.mark.parametrize(
     ("text", "match"),
     [
-        ("pieces = 3", "spec.toml: pieces"),
-        ("[[pieces]]\nkind = 'dance'", "spec.toml: pieces.0"),
+        ("pieces = 3", "spec.toml: not a usable spec: pieces"),
+        ("[[pieces]]\nkind = 'dance'", "spec.toml: not a usable spec: pieces.0"),
         ("[[pieces]]\nkind = 'hold'\nduration_s = 1e9", "duration_s.*172800"),
         ("[[pieces]]\nkind = 'hold'\nduration_s = nan", "duration_s.*finite"),
         ("[[pieces]]\nkind = 'noise'\noctaves = 0", "octaves.*greater than or equal to 1"),

@@ -127,7 +127,7 @@ def test_a_held_out_recording_alone_is_no_report(tmp_path, csv, capsys):
     ModelFile(truth(), 25.0, "r", "h", {}, (step,)).save(tmp_path / "model.json")
     words = ["--held-out", csv, "--gauge-length-mm", "25", "-o", str(tmp_path / "r.html")]
     error = refused(capsys, "report", "--model", str(tmp_path / "model.json"), *words)
-    assert "--held-out is judged beside the --recording" in error
+    assert "--held-out is judged beside the recording" in error
 
 
 @pytest.mark.parametrize(

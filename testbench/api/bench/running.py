@@ -15,11 +15,10 @@ from gcode.support.errors import UserError
 from gcode.support.files import existing_file, write_text
 from gcode.support.html import card
 from gcode.support.kinds import instance, number, path_of, whole
-from testbench.api.arguments import AnyModel, catalogue_of, is_preset, model_file_of, model_name, own_file
+from testbench.api.arguments import AnyModel, Effects, catalogue_of, is_preset, model_file_of, model_name, own_file
 from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live
 from testbench.campaigns.clearing import vacant
 from testbench.campaigns.plan import Plan, programs_before
-from testbench.knit.model import KnitModel
 from testbench.recordings.files import check_beside, read_recording
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.recording import Recording
@@ -172,20 +171,17 @@ def run(
     25.0
     """
     folder, earlier, own = path_of(folder, "folder"), earlier_runs(after), own_file(effects)
-    name = model_name(model)
-    knit = model_file_of(model, catalogue_of(own)).model
-    with program_file(program) as path:
-        plan, motion = planned(knit, path, seed, gauge_length_mm, instruments, earlier, rest_s, name, own)
+    with planned(model, program, seed, gauge_length_mm, instruments, earlier, rest_s, own) as (plan, motion):
         if matches(folder, plan):
-            return RunResult(folder, None, name, seed)
-        _check_apart(folder, [path, *earlier, *plan.past, *filter(None, [own, _file_of(model)])])
+            return RunResult(folder, None, plan.sensor, plan.seed)
+        _check_apart(folder, [plan.program, *earlier, *plan.past, *filter(None, [own, _file_of(model)])])
         if real_time:
             vacant(folder, overwrite)
             with stop_signals() as stopped:
                 status = simulate_live(plan, folder, motion, report, at_the_machines_pace, stopped)
         else:
             status = simulate_campaign(plan, folder, motion, report, overwrite)
-    return RunResult(folder, status, name, seed)
+    return RunResult(folder, status, plan.sensor, plan.seed)
 
 
 def _file_of(model: AnyModel) -> Path | None:
@@ -198,7 +194,7 @@ def _check_apart(folder: Path, sources: Iterable[Path]) -> None:
     for source in sources:
         if folder.resolve() in (source.resolve(), source.resolve().parent):
             raise UserError(
-                f"{folder}: cannot replace a campaign that this one is made from ({source}); choose another with -o"
+                f"{folder}: cannot replace a campaign that this one is made from ({source}); choose another"
             )
 
 
@@ -220,7 +216,10 @@ def program_file(program: Made | str | Path) -> Iterator[Path]:
     with TemporaryDirectory(prefix="knitbench-") as folder:
         path = Path(folder) / "program.tap"
         write_text(path, text_of(program)[0])
-        yield path
+        try:
+            yield path
+        except UserError as error:  # nobody has heard of this file
+            raise UserError(str(error).replace(str(path), "program")) from None
 
 
 def earlier_runs(after: Iterable[str | Path]) -> list[Path]:
@@ -238,21 +237,23 @@ def earlier_runs(after: Iterable[str | Path]) -> list[Path]:
     return [Path(one) for one in paths]
 
 
+@contextlib.contextmanager
 def planned(
-    model: KnitModel,
-    program: Path,
+    model: AnyModel,
+    program: Made | str | Path,
     seed: int,
     gauge_length_mm: float | None,
     instruments: Instruments | None,
-    after: Iterable[Path],
+    after: Iterable[str | Path],
     rest_s: float,
-    sensor: str = "model",
-    effects: Path | None = None,
-) -> tuple[Plan, Motion]:
+    effects: Effects,
+) -> Iterator[tuple[Plan, Motion]]:
     """Everything that a simulated campaign depends on, and the motion of its program; parameters as in `run`."""
-    seed = whole("seed:", seed, 0)
-    rest_s = number("rest_s", rest_s, 0)
+    own = own_file(effects) if isinstance(effects, str | Path) else None
+    knit, earlier = model_file_of(model, catalogue_of(effects)).model, earlier_runs(after)
+    seed, rest_s = whole("seed:", seed, 0), number("rest_s", rest_s, 0)
     tools = Instruments() if instruments is None else instance("instruments", instruments, Instruments)
-    motion, gauge = played(program, gauge_length_mm)
-    past = programs_before(after, model, gauge, effects)
-    return Plan(program, model, gauge, seed, sensor, tools, past, rest_s, effects), motion
+    with program_file(program) as path:
+        motion, gauge = played(path, gauge_length_mm)
+        past = programs_before(earlier, knit, gauge, own)
+        yield Plan(path, knit, gauge, seed, model_name(model), tools, past, rest_s, own), motion

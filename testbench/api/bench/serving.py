@@ -10,8 +10,8 @@ from numpy.random import default_rng
 from gcode.programs.make import Made
 from gcode.support.errors import UserError
 from gcode.support.kinds import number, path_of
-from testbench.api.arguments import AnyModel, catalogue_of, model_file_of, own_file
-from testbench.api.bench.running import earlier_runs, planned, program_file
+from testbench.api.arguments import AnyModel, own_file
+from testbench.api.bench.running import planned
 from testbench.rig.connection.links import paced
 from testbench.rig.simulation.faults import faulty
 from testbench.rig.simulation.past import DEFAULT_REST_S
@@ -70,10 +70,8 @@ def serve_rig(
     number("speed", speed)
     if not 0 <= number("faults", faults) <= 1:
         raise UserError(f"faults: must be a share from 0 to 1, got {faults}")
-    own = own_file(effects)
-    sensor, earlier = model_file_of(model, catalogue_of(own)).model, earlier_runs(after)
-    with program_file(program) as path:
-        plan, motion = planned(sensor, path, seed, gauge_length_mm, None, earlier, rest_s, effects=own)
+    ready = planned(model, program, seed, gauge_length_mm, None, after, rest_s, own_file(effects))
+    with ready as (plan, motion):
         lines = plan.wire_lines(motion)
     port = PtyPort(None if link is None else path_of(link, "link to the port"))
     try:

@@ -9,8 +9,8 @@ from tempfile import TemporaryDirectory
 
 from gcode.programs.api import generate
 from gcode.programs.make import Made
-from testbench.api.arguments import AnyModel, Effects, catalogue_of, model_file_of
-from testbench.api.bench.running import earlier_runs, planned, program_file
+from testbench.api.arguments import AnyModel, Effects
+from testbench.api.bench.running import planned
 from testbench.campaigns.campaign import simulate_campaign
 from testbench.knit.catalogue import baseline
 from testbench.knit.effect import Effect
@@ -74,13 +74,11 @@ def simulate(
     >>> tb.simulate("pes", gcode.generate("paper-1", seed=3, duration_s=60)).has("resistance_ohm")
     True
     """
-    sensor = model_file_of(model, catalogue_of(effects)).model
-    earlier = earlier_runs(after)
-    with program_file(program) as path, TemporaryDirectory(prefix="knitbench-") as temporary:
-        plan, motion = planned(sensor, path, seed, gauge_length_mm, instruments, earlier, rest_s)
+    ready = planned(model, program, seed, gauge_length_mm, instruments, after, rest_s, effects)
+    with ready as (plan, motion), TemporaryDirectory(prefix="knitbench-") as temporary:
         simulate_campaign(plan, Path(temporary) / "campaign", motion)
         recording = read_recording(Path(temporary) / "campaign")
-    name = f"{program.spec.name}-{program.seed}" if isinstance(program, Made) else path.name
+    name = f"{program.spec.name}-{program.seed}" if isinstance(program, Made) else plan.program.name
     return replace(recording, source=f"simulated {name}, seed of noise {seed}")
 
 

@@ -11,7 +11,8 @@ from gcode.support.console import MOST_PROCESSES, Progress
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder
 from gcode.support.html import card, frame_table
-from gcode.support.kinds import path_of
+from gcode.support.kinds import path_of, whole
+from testbench.api.arguments import own_file
 from testbench.campaigns.datasets.cluster import cluster
 from testbench.campaigns.datasets.dataset import OneAtATime, drop_stale_parquet, run, write_index, write_parquet
 from testbench.campaigns.datasets.index import is_campaign, listed
@@ -125,15 +126,15 @@ def dataset(
     """
     if format not in FORMATS:
         raise UserError(f"format: must be one of {', '.join(FORMATS)}, got {format!r}")
-    if workers != -1 and not 1 <= workers <= MOST_PROCESSES:
+    if workers != -1 and not 1 <= whole("workers", workers, -1) <= MOST_PROCESSES:
         raise UserError(f"workers: must be 1 to {MOST_PROCESSES}, or -1 for one a core, got {workers}")
-    spec, folder = path_of(spec, "TOML file"), path_of(folder, "folder")
+    spec, folder, own = path_of(spec, "TOML file"), path_of(folder, "folder"), own_file(effects)
     wanted = read_spec(spec)
     if is_campaign(folder):
-        raise UserError(f"{folder}: is a campaign itself; choose another folder for the data set with -o")
+        raise UserError(f"{folder}: is a campaign itself; choose another folder for the data set")
     out = make_folder(folder)
     with OneAtATime(out):
-        tasks = tasks_of(wanted, spec.parent, out, Path(effects) if effects else None)
+        tasks = tasks_of(wanted, spec.parent, out, own)
         with cluster(scheduler):
             made, there = run(tasks, "dask" if scheduler else "loky", workers, _counting(progress, len(tasks)))
         write_index(out, spec, tasks)

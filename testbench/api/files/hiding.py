@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import secrets
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -148,6 +148,6 @@ def hide(
         number("rate_hz", rate_hz),
         noise,
         protocol=protocol,
-        channels=(channels,) if isinstance(channels, str) else tuple(channels),
+        channels=tuple(channels) if isinstance(channels, Iterable) and not isinstance(channels, str) else (channels,),
     )
     return HiddenCase(write_case(folder, case), float(minutes))

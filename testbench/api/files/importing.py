@@ -91,7 +91,7 @@ class ImportResult:
             for place in places:
                 check_place(place, overwrite=overwrite)
                 if place.exists() and not overwrite:
-                    raise UserError(f"{place}: is there; choose another place with -o, or add --overwrite")
+                    raise UserError(f"{place}: is there; choose another place, or give `overwrite`")
             for one, place in zip(self.imported, places, strict=True):
                 write_recording_csv(place, one.recording)
             return places

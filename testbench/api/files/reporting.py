@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from gcode.support.errors import UserError
 from gcode.support.html import card
+from gcode.support.kinds import path_of
 from testbench.api.arguments import AnyModel, Effects, Source, as_recording, catalogue_of, model_file_of
 from testbench.api.missing.diagnosing import DiagnosisResult, diagnosis_data
 from testbench.recordings.recording import Recording
@@ -17,6 +18,8 @@ from testbench.report.document import Report
 from testbench.report.inputs import Inputs
 from testbench.report.writing.write import write_report
 from testbench.results.result_files import read_score
+
+Form = Literal["html", "md"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -36,9 +39,7 @@ class ReportResult:
         """The sentence that a hurried reader takes away."""
         return self.report.verdict
 
-    def write(
-        self, path: str | Path, format: Literal["html", "md"] = "html", figures: str | Path | None = None
-    ) -> list[Path]:
+    def write(self, path: str | Path, format: Form = "html", figures: str | Path | None = None) -> list[Path]:
         """Write one self-contained page, or Markdown with its figures beside it.
 
         Parameters
@@ -53,7 +54,10 @@ class ReportResult:
         list of Path
             The report, and every figure.
         """
-        return write_report(self.report, path, format, figures)
+        if format not in get_args(Form):
+            raise UserError(f"format must be {' or '.join(get_args(Form))}, got {format!r}")
+        folder = None if figures is None else path_of(figures, "folder of figures")
+        return write_report(self.report, path_of(path, "report"), format, folder)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready form: title, verdict, and the titles of the sections."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from gcode.support.errors import UserError
 from gcode.support.html import card
 from gcode.support.kinds import path_of
+from testbench.api.arguments import own_file
 from testbench.campaigns.datasets.index import INDEX, index_problems
 from testbench.campaigns.datasets.parquet_checksums import CHECKSUMS, PARQUET, parquet_problems
 from testbench.campaigns.remake import made_again
@@ -151,7 +152,7 @@ def verify(
     ...     before, tb.verify(folder).intact
     (True, False)
     """
-    folder, own = path_of(folder, "campaign"), Path(effects) if effects else None
+    folder, own = path_of(folder, "campaign"), own_file(effects)
     stored: list[str] = []
     if (folder / CHECKSUMS).is_file():
         stored = parquet_problems(folder)

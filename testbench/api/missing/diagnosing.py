@@ -241,7 +241,7 @@ def check_one_history(recordings: Sequence[Recording], held: Recording | None, r
     every = [*recordings, *([] if held is None else [held])]
     check_distinct(
         every,
-        "of several recordings each is made after the ones before it: give each once, and another one as --held-out",
+        "of several recordings each is made after the ones before it: give each once, and another one as `held_out`",
     )
     check_grid(every[1:], recordings[0], MAX_GRID_HZ, MIN_PART, rest_s)
 

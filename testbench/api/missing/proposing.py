@@ -221,6 +221,6 @@ def check_effect_file(
     drawn = free_path(picture or effect.with_suffix(".png"))
     figure_format(drawn)
     check_place(effect)
-    check_place(drawn, "--plot")
+    check_place(drawn)
     check_names(effect.stem, str(effect), catalogue_of(effects).effects, most)
     return effect, drawn

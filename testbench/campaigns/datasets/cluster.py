@@ -25,12 +25,12 @@ def cluster(address: str | None) -> Iterator[None]:
     try:
         from distributed import Client
     except ImportError:
-        raise UserError("--backend dask needs the extra: pip install 'knitbench[dask]'") from None
+        raise UserError("a Dask cluster needs the extra: pip install 'knitbench[dask]'") from None
     try:
         client = Client(address, timeout=CONNECT_S)
     except (OSError, ValueError, TimeoutError) as error:
         raise UserError(
-            f"{address}: no Dask scheduler answers there ({type(error).__name__}); check --scheduler"
+            f"{address}: no Dask scheduler answers there ({type(error).__name__}); check `scheduler`"
         ) from None
     with client:
         yield

@@ -70,7 +70,7 @@ def write_parts(out: Path, parts: Sequence[Part], workers: int = -1) -> int:
 
     _pyarrow()
     for folder in {part.file.parent for part in parts}:
-        refuse_links((folder.parent, folder), "choose another place with -o")
+        refuse_links((folder.parent, folder), "choose another place")
         make_folder(folder)
     keep_only(out / PARQUET, {part.file for part in parts})
     channels, before = channels_of(parts), known_checksums(out)

@@ -38,7 +38,7 @@ def keep_current(out: Path, campaigns: Mapping[Path, Path]) -> int:
     root = out / PARQUET
     if not root.is_dir():
         return 0
-    refuse_links((root, *(root / split for split in SPLITS)), "choose another place with -o")
+    refuse_links((root, *(root / split for split in SPLITS)), "choose another place")
     kept = _checksums(out) if (out / CHECKSUMS).is_file() else {}
     current = {
         file

@@ -136,7 +136,7 @@ def _found(patterns: Sequence[str], base: Path) -> list[Path]:
 
 
 def _planned(spec: DatasetSpec, base: Path, out: Path) -> list[Path]:
-    refuse_links([out / PROGRAMS], "choose another place with -o")
+    refuse_links([out / PROGRAMS], "choose another place")
     folder = make_folder(out / PROGRAMS).absolute()
     assert spec.trajectory is not None
     return list(_programs(spec.trajectory, spec.gauge_length_mm, base, folder))

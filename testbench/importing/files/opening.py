@@ -11,25 +11,6 @@ from testbench.importing.sheet import Hints, Sheet
 from testbench.recordings.csv_columns import MOST_BYTES
 
 WORKBOOKS = (".xlsx", ".xlsm")
-APART = (",", ".", "'", "’", " ", "\u00a0", "\u202f")  # what parts thousands
-
-
-def check_hints(hints: Hints, is_text: bool) -> None:
-    """Raise a `UserError` where what a person said of a file cannot be so."""
-    for name, row in (("header", hints.header_row), ("units", hints.units_row)):
-        if row is not None and row < 0:
-            raise UserError(f"--{name}-row must be a row, counted from 1, or 0 where there is none, got {row}")
-    if hints.separator is not None and (len(hints.separator) != 1 or hints.separator in '"\r\n'):
-        raise UserError(
-            f"--separator must be one character between columns, such as ; or \\t, got {hints.separator!r}"
-        )
-    if hints.thousands is not None and (hints.thousands not in APART or hints.thousands == hints.decimal):
-        others = ", ".join(repr(sign) for sign in APART[:5] if sign != hints.decimal)
-        raise UserError(f"--thousands must be one of {others}, got {hints.thousands!r}")
-    if is_text and hints.sheet:
-        raise UserError(
-            f"--sheet is of a workbook or a TDMS file, which this is not; leave it out, got {hints.sheet!r}"
-        )
 
 
 def open_sheet(path: Path, wanted: Sequence[str], hints: Hints) -> Sheet:
@@ -52,7 +33,10 @@ def open_sheet(path: Path, wanted: Sequence[str], hints: Hints) -> Sheet:
     if kind == ".xls":
         raise UserError(f"{path}: the old Excel format; open it in Excel or LibreOffice and save it as .xlsx")
     check_plain(path, "table", MOST_BYTES)
-    check_hints(hints, is_text=kind not in (*WORKBOOKS, ".tdms"))
+    if hints.sheet and kind not in (*WORKBOOKS, ".tdms"):
+        raise UserError(
+            f"`sheet` is of a workbook or a TDMS file, which this is not; leave it out, got {hints.sheet!r}"
+        )
     if kind in WORKBOOKS:
         from testbench.importing.files.excel_file import open_excel
 

@@ -63,7 +63,7 @@ class Appender:
             fcntl.flock(self.open(), fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
             self._shut()
-            raise UserError(f"{self.path}: another recorder is writing this file; choose another with -o") from None
+            raise UserError(f"{self.path}: another recorder is writing this file; choose another") from None
 
     def sync(self) -> None:
         """Have the disk keep what was written, and the file's name."""

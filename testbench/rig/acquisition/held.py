@@ -39,5 +39,5 @@ def _lock(folder: Path, handle: int) -> None:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         raise UserError(
-            f"{folder}: another recorder is at work in this folder; end it first, or choose another with -o"
+            f"{folder}: another recorder is at work in this folder; end it first, or choose another"
         ) from None

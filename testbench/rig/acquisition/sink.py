@@ -199,7 +199,9 @@ class Sink:
         except OSError as error:
             if error.errno == errno.EFBIG:
                 return  # a limit on single files, not on the disk: what was taken is held
-            raise UserError(f"{self._folder}: cannot record here: {error.strerror}; make room, or use -o") from None
+            raise UserError(
+                f"{self._folder}: cannot record here: {error.strerror}; make room, or choose another folder"
+            ) from None
 
     def _parts(self) -> tuple[Appender, Appender, Appender]:
         return self._events, self._bad, self._csv

@@ -60,7 +60,7 @@ def remembered_port(url: str, source: Path) -> str:
     if not fine:
         raise UserError(
             f"{source}: names the port {url!r}, which is not opened on the word of a file (a device that is there, "
-            "or an address of this machine, is); if you mean it, add --port"
+            "or an address of this machine, is); if you mean it, give `port`"
         )
     return url
 

@@ -104,7 +104,9 @@ class SerialLink:
         except serial.SerialException as error:
             if "lock" in str(error):
                 raise UserError(f"{self._url}: another program holds this port; end it first") from None
-            raise UserError(f"{self._url}: cannot open this port: {_short(error)}; check --port and cable") from None
+            raise UserError(
+                f"{self._url}: cannot open this port: {_short(error)}; check its name and the cable"
+            ) from None
         except ValueError as error:
             raise UserError(f"{self._url}: not a port: {error}") from None
 

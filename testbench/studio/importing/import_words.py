@@ -59,6 +59,7 @@ def page_words(text: str) -> str:
     ``say --force-unit`` becomes ``choose “Unit of force”``, ``--drop-bad leaves`` becomes ``“Leave out rows that
     cannot be used” leaves``.
     """
+    text = re.sub(r"`(\w+)`", lambda name: f"--{name[1].replace('_', '-')}", text)  # a field of `testbench.Wish`
     text = re.sub(r"\b(?:say|add|name) (?=--)", "choose ", text)
     text = re.sub(r"(?<=or )(?=--)", "choose ", text)
     text = re.sub(r"(--(?:decimal|thousands)) ([,.])", lambda it: f"{it[1]} {SIGNS[it[2]]}", text)

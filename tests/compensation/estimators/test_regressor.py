@@ -130,11 +130,11 @@ def test_another_method_leaves_nothing_of_the_one_before(rows):
     [
         *(
             ({"rate_hz": value}, f"rate_hz must be a number from 1e-06 to 1e.06, got {value}")
-            for value in (0, -20.0, float("nan"), 1e7, None)
+            for value in (0, -20.0, float("nan"), 1e7, None, True)
         ),
         *(
             ({"seed": value}, f"seed must be a whole number from 0 to 2147483647, got {value}")
-            for value in (None, -1, 2**31, 0.5)
+            for value in (None, -1, 2**31, 0.5, True)
         ),
     ],
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import pandas as pd
 import pytest
 
 from compensation.cli import main
+from compensation.export.export_c import c_header
 from compensation.memories.history import History
 from compensation.model import files as compensator_files
 from compensation.model.prediction import predicted
@@ -78,6 +80,26 @@ def test_it_takes_lists_and_columns_of_a_table_and_no_two_lengths(compensator, r
         UserError, match=r"one number a sample each, got shapes \(3,\) and \(2,\); give the two columns"
     ):
         predicted(compensator, [0.0, 0.1, 0.2], [1e5, 1e5])
+    with pytest.raises(UserError, match="predicted: time_s must be numbers, got dates"):
+        predicted(compensator, pd.to_datetime(part.time_s, unit="s"), part["resistance_ohm"])
+    with pytest.raises(UserError, match="predicted: resistance_ohm must be real numbers, got complex128"):
+        predicted(compensator, part.time_s, part["resistance_ohm"] * 1j)
+    assert (
+        repr(predicted(compensator, [0.0, 0.1], [-1.0, -1.0])) == "<Prediction of force: 2 samples, 0 of them good>"
+    )
+    assert re.fullmatch(r"<CompensatorStream: \S+ N, STARTING>", repr(CompensatorStream(compensator)))
+    with pytest.raises(UserError, match="conductance_S must be a number, got 'a'"):
+        CompensatorStream(compensator).update("a")
+    with pytest.raises(UserError, match="`name` must be a C identifier, got 5"):
+        c_header(compensator, 5)
+
+
+def test_what_was_learned_is_not_changed_in_place_and_can_be_told_apart(compensator):
+    with pytest.raises(ValueError, match="read-only"):
+        compensator.networks[0].weights[0][0] = 1.0
+    with pytest.raises(TypeError, match="not changed in place"):
+        compensator.recipe["trained_on"] = []
+    assert compensator.networks[0] != deepcopy(compensator.networks[0])  # comparing arrays ended in a traceback
 
 
 def test_a_prediction_is_a_table_that_nobody_writes_into(compensator, recordings):

@@ -251,7 +251,7 @@ def test_no_dead_network_is_kept_where_several_starts_are_asked_for(recordings):
         (["--factor", "1e30"], "slowest filter"),
         (["--count", "500"], "slowest filter"),
         (["--plot", "picture.txt"], "--plot must end in .png"),
-        (["--plot", "nowhere/picture.png"], "choose another place with --plot"),
+        (["--plot", "nowhere/picture.png"], "nowhere/picture.png: its folder does not exist; choose another place"),
         (["--method", "tuned", "--hidden", "8"], "--hidden is for --method paper only: --method tuned"),
         (["--twin", "m.json", "--restarts", "3"], "--restarts is for --method paper only: --twin"),
         (["--twin", "m.json", "--method", "tuned"], "leave --method out"),
@@ -273,7 +273,7 @@ def test_a_place_that_cannot_be_written_is_refused_before_the_work(recordings, t
     for method in METHODS:
         monkeypatch.setitem(METHODS, method, lambda *_: pytest.fail("trained"))
     start = ["train", str(path), "--gauge-length-mm", "25", "--target", "force"]
-    for place, match in ((tmp_path / "no" / "c.json", "choose another place with -o"), (tmp_path, "is a folder")):
+    for place, match in ((tmp_path / "no" / "c.json", "choose another place"), (tmp_path, "is a folder")):
         for method in METHODS:
             assert main([*start, "--method", method, "-o", str(place)]) == 2
             assert match in capsys.readouterr().err

@@ -11,6 +11,7 @@ import pytest
 
 import compensation.cli
 import gcode.cli
+import testbench
 import testbench.cli
 from gcode.support import console
 
@@ -32,6 +33,19 @@ def test_too_little_memory_is_a_sentence(monkeypatch, capsys):
     monkeypatch.setattr("gcode.mach4.reader.load_program", exhaust)
     assert gcode.cli.main(["play", "a.tap", "-o", "b.csv"]) == 2
     assert "gcode play: error: this needs more memory than there is" in capsys.readouterr().err
+
+
+def test_a_parameter_of_python_is_told_as_the_option_of_the_command_that_runs(tmp_path, capsys):
+    (tmp_path / "a.csv").write_text("time_s,displacement_mm,force_N\n0,0,0\n1,1,1\n2,0,0\n")
+    with pytest.raises(testbench.UserError, match="give `gauge_length_mm`"):
+        testbench.read(tmp_path / "a.csv")
+    assert testbench.cli.main(["fit", str(tmp_path / "a.csv")]) == 2
+    assert "give --gauge-length-mm" in capsys.readouterr().err
+    (tmp_path / "a.tap").write_text("G21 G90 G94\nG64\nG0 X1\nM30\n")
+    words = ["--v-max", "1", "--a-max", "1", "--x-min", "0", "--x-max", "1"]
+    assert gcode.cli.main(["check", str(tmp_path / "a.tap"), *words]) == 1
+    assert "or state --rapid" in capsys.readouterr().out
+    assert "`rapid_mm_per_s`" in str(gcode.check(tmp_path / "a.tap").problems[0])
 
 
 @pytest.mark.parametrize("number", ["0", "-5", "1025", "9" * 20, "2.5", "many"])

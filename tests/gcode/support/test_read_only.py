@@ -5,12 +5,13 @@ from __future__ import annotations
 import copy
 import json
 import pickle
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import pytest
 
-from gcode.support.read_only import ReadOnly, free_copy, read_only, read_only_array
+from gcode.support.read_only import ReadOnly, Unchanging, free_copy, read_only, read_only_array
 
 CHANGES = (
     lambda mapping: mapping.__setitem__("a", 2),
@@ -54,13 +55,51 @@ def test_it_is_pickled_copied_and_written_as_a_dict_is():
     assert kept["a"] == {"b": 1.0}
 
 
-def test_an_array_is_the_same_numbers():
+def test_an_array_is_nobodys_to_change_and_is_copied_once():
     values = np.arange(3.0)
-    kept = read_only_array(values)
+    seen = values.view()
+    seen.flags.writeable = False  # as pandas gives a column: its owner may still change it
+    kept, through = read_only_array(values), read_only_array(seen)
     with pytest.raises(ValueError, match="read-only"):
         kept[0] = 5
-    values[0] = 7  # who made it may
-    assert kept[0] == 7
+    values[0] = 7
+    assert kept[0] == through[0] == 0
+    assert read_only_array(kept) is kept
+    assert np.shares_memory(read_only_array(kept[1:]), kept)
+
+
+@dataclass(frozen=True, eq=False)
+class Held(Unchanging):
+    values: np.ndarray
+    by_name: dict
+    parts: tuple = ()
+    names: frozenset = frozenset()
+
+    @cached_property
+    def doubled(self):
+        return 2 * self.values
+
+
+def test_a_result_is_unchanging_also_as_a_copy_and_out_of_a_pickle():
+    values, names = np.arange(3.0), {"a"}
+    held = Held(values, {"a": {"b": values}}, (values, {"c": 1}), names)
+    values[0] = 7
+    names.add("b")
+    assert held.doubled[0] == 0
+    for one in (
+        held,
+        pickle.loads(pickle.dumps(held)),
+        copy.copy(held),
+        copy.deepcopy(held),
+        replace(held, names={"a"}),
+    ):
+        for array in (one.values, one.by_name["a"]["b"], one.parts[0]):
+            assert array.tolist() == [0, 1, 2]
+            with pytest.raises(ValueError, match="read-only"):
+                array[0] = 5
+        with pytest.raises(TypeError, match="not changed in place"):
+            one.parts[1]["c"] = 2
+        assert one.names == frozenset({"a"})
 
 
 def test_a_free_copy_is_free_all_through():

@@ -34,6 +34,27 @@ def test_a_limit_that_watches_nothing_is_refused_before_the_port_is_opened(odd, 
     assert not (tmp_path / "r").exists()
 
 
+@pytest.mark.parametrize(
+    ("program", "said"),
+    [
+        (
+            gcode.generate("paper-1", seed=1, duration_s=20),
+            "program: the gauge length must be a positive number of mm",
+        ),
+        ("G21 G90 G94\nG2 X1\n", "program: line 2"),
+    ],
+)
+def test_a_program_without_a_file_is_told_as_the_program(program, said):
+    """Messages named a file in a folder of the system that was gone already."""
+    with pytest.raises(tb.UserError, match=f"^{said}"):
+        tb.simulate("pes", program, gauge_length_mm=-1)
+
+
+def test_an_array_of_one_number_is_no_number():
+    with pytest.raises(tb.UserError, match=r"every must be a whole number, 1 or more, got array\(\[1\]\)"):
+        tb.example(duration_s=20).thinned(np.array([1]))
+
+
 @pytest.mark.parametrize("limit", [None, 20, np.float32(20), float("inf")])
 def test_a_limit_may_be_left_out_or_be_of_numpy(limit, program, tmp_path):
     with pytest.raises(tb.UserError, match="cannot open this port"):

@@ -42,6 +42,7 @@ def test_a_recording_does_not_follow_the_mapping_it_was_made_of():
     del channels["force_N"]
     assert list(recording) == ["displacement_mm", "force_N"]
     channels["displacement_mm"][0] = 0.5  # the user's own array stays one that may be changed
+    assert recording["displacement_mm"].tolist() == [0, 1, 2]  # it followed, past every check
 
 
 @pytest.mark.parametrize("copied", COPIES)
@@ -57,7 +58,24 @@ def test_a_program_stays_as_it_was_read(tmp_path):
     program = gcode.read(tmp_path / "program.tap")
     with REFUSED:
         program.header["seed"] = "4"
+    for values in (program.position_mm, program.planned().position_mm, gcode.play(program).time_s):
+        with REFUSED:
+            values[0] = 4.0
     assert program.problems == ()
+
+
+@pytest.mark.parametrize("copied", COPIES)
+def test_what_compare_and_import_hold_stays_as_it_is(copied):
+    compared = copied(tb.compare(relaxed(), tb.baseline()).comparison)
+    for mapping in (compared.rms, compared.maps, compared.maps["force"]):
+        with REFUSED:
+            mapping["force"] = 0.0
+    given = {"force": "Load"}
+    wish = copied(tb.Wish(columns=given, negate={"force"}))
+    given["force"] = "none"
+    with REFUSED:
+        wish.columns["force"] = "none"
+    assert wish == tb.Wish(columns={"force": "Load"}, negate=frozenset({"force"}))
 
 
 @pytest.mark.parametrize("kind", [list, tuple, np.float32])

@@ -163,7 +163,7 @@ def test_mistakes_are_one_sentence():
         tb.next_experiment([fitted(), fitted()], bounds=tb.Bounds(gauge_length_mm=50.0))
     with pytest.raises(tb.UserError, match=r"bounds must be testbench\.Bounds or a mapping of its fields, got int"):
         tb.next_experiment([fitted(), fitted()], bounds=3)  # type: ignore[arg-type]
-    with pytest.raises(tb.UserError, match=r"KnitModel: a must be an effect, as .*, got int"):
+    with pytest.raises(tb.UserError, match=r"KnitModel: 'a' must name an effect, as .*, got int"):
         tb.KnitModel({"a": 1})  # type: ignore[dict-item]
     with pytest.raises(tb.UserError, match=r"Instruments: clock\.rate_hz: .* or equal to 0\.01, got 0"):
         tb.Instruments(clock={"rate_hz": 0})  # type: ignore[arg-type]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 
 import numpy as np
@@ -249,6 +250,70 @@ SLIPS = {
         lambda: tb.make_report(tb.example(duration_s=20)).write("a.md"),
         "write it as md, or give another name",
     ),
+    "effects that are no model": (
+        lambda: tb.KnitModel([tb.effects.StressRelaxation()]),
+        "effects must be a mapping of names to effects, got list; testbench.KnitModel.of(effect, ...) names them",
+    ),
+    "an effect without its name": (
+        lambda: tb.KnitModel({1: tb.effects.StressRelaxation()}),
+        "KnitModel: 1 must name an effect",
+    ),
+    "two effects and no model": (
+        lambda: tb.effects.StressRelaxation() + tb.effects.PermanentSet(),
+        "effects are put into a model: testbench.baseline() + effect, or testbench.KnitModel.of(effect, effect)",
+    ),
+    "an effect before its model": (
+        lambda: tb.effects.StressRelaxation() + tb.baseline(),
+        "effects are put into a model",
+    ),
+    "parameters as a list": (
+        lambda: tb.baseline().with_parameters(["elasticity.stiffness_N"]),
+        "with_parameters: must be a mapping of addresses to numbers, got ['elasticity.stiffness_N']",
+    ),
+    "a parameter by its number": (
+        lambda: tb.baseline().with_parameters({1: 2}),
+        "parameter 1: must be effect.parameter, or effect.parameter[2] of a vector",
+    ),
+    "a place that is no number": (
+        lambda: tb.baseline().with_parameters({"elasticity.stiffness_N[a]": 2}),
+        "parameter 'elasticity.stiffness_N[a]': must be effect.parameter",
+    ),
+    "a place in what is no vector": (
+        lambda: tb.baseline().with_parameters({"elasticity.stiffness_N[0]": 2}),
+        "elasticity.stiffness_N has no number [0]; it is 8.0",
+    ),
+    "a no that is a yes": (lambda: tb.Wish(sort="no"), "sort must be True or False, got 'no'"),
+    "a repeat in words": (lambda: tb.Wish(repeat="a"), "repeat must be a whole number, 0 or more, got 'a'"),
+    "a row that is a truth": (
+        lambda: tb.Hints(header_row=True),
+        "`header_row` (counted from 1, 0: there is none) must be a whole number, 0 or more, got True",
+    ),
+    "no decimal sign": (lambda: tb.Hints(decimal=""), "`decimal` must be ',' or '.', got ''"),
+    "two separators": (lambda: tb.Hints(separator="::"), "`separator` must be one character between columns"),
+    "a seed in words": (
+        lambda: tb.next_experiment([tb.baseline(), tb.preset("pes")], seed="a"),
+        "seed: must be a whole number, 0 or more, got 'a'",
+    ),
+    "a preset as a list": (lambda: gcode.preset([]), "preset must be one of paper-1, paper-2, paper-3, fast; got []"),
+    "a truth for a length": (
+        lambda: gcode.generate("paper-1", 1, True),
+        "gauge length must be 0.001 to 10000 mm, got True",
+    ),
+    "a controller as a mapping": (
+        lambda: gcode.check(gcode.generate("paper-1", 1, duration_s=20), machine={}),
+        "machine must be of the class Machine, got dict",
+    ),
+    "no channels": (lambda: tb.hide("none", "case", channels=5), "channels: must be force_N, resistance_ohm or both"),
+    "effects that are no file": (lambda: tb.verify(".", effects=5), "not the path of a file with your own effects"),
+    "workers in words": (lambda: tb.dataset("a.toml", "knits", workers="a"), "workers must be a whole number"),
+    "a report of another kind": (
+        lambda: tb.make_report(tb.example(duration_s=20)).write("a.html", format="pdf"),
+        "format must be html or md, got 'pdf'",
+    ),
+    "a report without a place": (
+        lambda: tb.make_report(tb.example(duration_s=20)).write(5),
+        "got int, not the path of a report",
+    ),
     "a program that was not written": (
         lambda: tb.record("/dev/no-port", gcode.generate("paper-1", seed=1, duration_s=20), "knit"),
         "got Made, not the path of a program",
@@ -273,6 +338,35 @@ def test_a_coordinate_that_is_none_is_refused_with_those_there_are():
 def test_the_gauge_length_that_a_recording_has_may_be_said_again():
     recording = tb.example(duration_s=20)
     assert as_recording(recording, 25) is as_recording(recording, None, usual_mm=30) is recording
+
+
+@pytest.mark.parametrize(
+    ("declared", "amiss"),
+    [
+        ({"reads": ("force_N",), "writes": ("force_N",)}, "stage"),
+        ({"stage": "MECHANICS", "reads": ("force_N",), "writes": ("force_N",)}, "stage"),
+        ({"stage": tb.Stage.MECHANICS, "reads": "force_N"}, "reads, writes"),
+    ],
+)
+def test_a_class_of_an_effect_that_does_not_say_where_it_acts_is_told_so(declared, amiss):
+    mine = type("Mine", (tb.Effect,), {"name": "mine", "__module__": __name__, **declared})
+    with pytest.raises(tb.UserError, match=rf"^Mine: the class must declare its stage .*; amiss: {amiss}$"):
+        tb.baseline() + mine()
+
+
+def test_what_is_made_alike_is_equal_and_presets_stay_as_they_are():
+    made = gcode.generate("paper-1", seed=1, duration_s=20)
+    assert made == gcode.generate("paper-1", seed=1, duration_s=20)
+    assert made != gcode.generate("paper-1", seed=2, duration_s=20)
+    with pytest.raises(TypeError, match="not changed in place"):
+        gcode.PRESETS.clear()
+
+
+def test_what_numpy_gives_is_taken():
+    assert tb.Hints(header_row=np.int64(1)).header_row == 1
+    wish = tb.Wish(repeat=np.int64(2), sort=np.array([1, 2]).max() > 1)
+    assert json.dumps([wish.repeat, wish.sort]) == "[2, true]"
+    assert tb.baseline().with_parameters(pd.Series({"elasticity.stiffness_N": 9.0}))["elasticity"].stiffness_N == 9
 
 
 def test_values_without_a_name_are_a_sentence(tmp_path):

@@ -149,7 +149,7 @@ def test_other_peoples_folders_are_never_overwritten(campaign, tmp_path):
     (tmp_path / "photos" / "cat.jpg").write_bytes(b"cat")
     with pytest.raises(UserError, match="not a campaign"):
         vacant(tmp_path / "photos", overwrite=True)
-    with pytest.raises(UserError, match="--overwrite"):
+    with pytest.raises(UserError, match="`overwrite`"):
         vacant(campaign)
     with pytest.raises(UserError, match="a campaign that was simulated, which is not overwritten"):
         vacant(campaign, overwrite=True, origin="imported")

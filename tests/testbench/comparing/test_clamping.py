@@ -82,7 +82,7 @@ def test_a_zero_that_would_explain_much_is_offered(fitted) -> None:
     result, _, held = fitted
     told = may_be_clamped_anew(result.model, held)
     assert f"counted {TRIED_MM:g} mm further" in told
-    assert "--clamp-play-mm" in told
+    assert "`clamp_play_mm`" in told
 
 
 @pytest.mark.parametrize("play_mm", [-0.1, 5.0, float("nan")])

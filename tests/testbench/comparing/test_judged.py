@@ -59,7 +59,7 @@ def test_a_third_recording_finds_its_zero_where_play_is_given_and_offers_to_wher
     third = named(anew, "c.csv")
     bound, free = tb.compare(third, clamped_file), tb.compare(third, clamped_file, clamp_play_mm=0.5)
     assert "clamped_anew" not in bound.to_dict()
-    assert "--clamp-play-mm" in bound.notes[0]
+    assert "`clamp_play_mm`" in bound.notes[0]
     assert free.to_dict()["clamped_anew"]["shift_mm"] == pytest.approx(SHIFT_MM, abs=0.1)
     assert free.comparison.rms["force"] < 0.5 * bound.comparison.rms["force"]
 

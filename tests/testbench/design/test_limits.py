@@ -29,6 +29,8 @@ def test_what_is_said_is_what_holds():
     assert {*ALLOWED, "gauge_length_mm"} == set(vars(bounds))
     with pytest.raises(tb.UserError, match="the gauge length is 25 mm, got 40; for a sensor of another length give"):
         bounds_with({"gauge_length_mm": 40}, 25.0)
+    with pytest.raises(tb.UserError, match="gauge_length_mm: must be a positive number, got nan"):
+        bounds_with({}, float("nan"))
 
 
 @pytest.mark.parametrize("bounds", [{"duration_s": 300}, tb.Bounds(duration_s=300)])

@@ -105,7 +105,7 @@ def test_no_recording_is_not_enough():
 
 
 def test_several_recordings_need_one_to_judge_on():
-    with pytest.raises(UserError, match="say with --held-out which other one"):
+    with pytest.raises(UserError, match="give another one to judge on as `held_out`"):
         diagnose(pulls(2), catalogue=CATALOGUE)
 
 

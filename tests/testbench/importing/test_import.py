@@ -244,8 +244,11 @@ def test_measured_recordings_import_unchanged():
         (["--encoding", "hex"], "--encoding must be one such as utf-8, latin-1, gbk or shift-jis, got 'hex'"),
         (["--separator", "::"], "--separator must be one character between columns, such as ; or \\t, got '::'"),
         (["--separator", '"'], "--separator must be one character"),
-        (["--header-row", "-1"], "--header-row must be a row, counted from 1, or 0 where there is none, got -1"),
-        (["--units-row", "-2"], "--units-row must be a row"),
+        (
+            ["--header-row", "-1"],
+            "--header-row (counted from 1, 0: there is none) must be a whole number, 0 or more, got",
+        ),
+        (["--units-row", "-2"], "--units-row (counted from 1, 0: there is none) must be"),
         (["--thousands", "abc"], "--thousands must be one of ',', '.', \"'\", '’', ' ', got 'abc'"),
         (["--thousands", ".", "--decimal", "."], "--thousands must be one of ',', \"'\", '’', ' ', got '.'"),
         (["--sheet", "Data"], "--sheet is of a workbook or a TDMS file"),
@@ -277,7 +280,7 @@ def test_a_folder_and_a_name_of_many_characters_are_said_short(tmp_path, capsys)
     ("words", "told"),
     [
         (["--rest-ohm", "100"], "--rest-ohm is R0 of a relative resistance, of which no column is taken"),
-        (["--separator", ""], "--separator must be a character between columns, got nothing"),
+        (["--separator", ""], "--separator must be one character between columns, such as ; or \\t, got ''"),
     ],
 )
 def test_what_would_be_without_effect_is_refused(tmp_path, capsys, words, told):

@@ -104,9 +104,9 @@ def test_a_wish_that_cannot_be_is_refused_where_it_is_made(said, message):
 @pytest.mark.parametrize(
     ("said", "message"),
     [
-        ({"decimal": ";"}, "decimal: must be one of ',' '.', got ';'"),
-        ({"separator": 3}, "separator: must be a text, got 3"),
-        ({"units_row": "2"}, "units_row: must be a row of the file"),
+        ({"decimal": ";"}, "`decimal` must be ',' or '.', got ';'"),
+        ({"separator": 3}, "`separator` must be a text, got 3"),
+        ({"units_row": "2"}, "`units_row` .* must be a whole number, 0 or more, got '2'"),
     ],
 )
 def test_hints_that_cannot_be_are_refused(said, message):

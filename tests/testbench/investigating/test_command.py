@@ -161,7 +161,7 @@ def test_it_goes_on_with_the_model_and_the_effects_that_it_began_with(tmp_path, 
     assert starts == [(hidden().to_dict(), True)] * 3
     capsys.readouterr()
     assert main(on) == 2
-    assert f"add --effects {folder / 'effects.py'}" in capsys.readouterr().err
+    assert f"give --effects {folder / 'effects.py'}" in capsys.readouterr().err
     other = tmp_path / "other.py"
     other.write_text(LAW.replace("0.1", "0.2"))
     assert main([*on, "--effects", str(other)]) == 2

@@ -239,7 +239,7 @@ def test_a_damaged_state_is_refused_by_name(one_run, change, match):
 
 
 def test_a_folder_that_is_taken_is_left_alone(tmp_path, one_run):
-    with pytest.raises(UserError, match="--resume"):
+    with pytest.raises(UserError, match="`resume`"):
         loop.begin(one_run[0], asked(), "sample")
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "thesis.txt").write_text("mine")

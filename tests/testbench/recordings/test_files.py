@@ -140,7 +140,7 @@ def test_a_gauge_length_that_is_no_length_is_refused(tmp_path, gauge_mm):
 
 
 def test_a_bare_csv_needs_a_gauge_length_and_a_path_must_exist(tmp_path):
-    with pytest.raises(UserError, match="--gauge-length-mm"):
+    with pytest.raises(UserError, match="give `gauge_length_mm`"):
         read_recording(written(tmp_path, GOOD))
     with pytest.raises(UserError, match="no such recording"):
         read_recording(tmp_path / "nothing.csv", 25.0)

@@ -140,6 +140,6 @@ def test_a_run_that_was_killed_says_to_run_it_again(tmp_path):
 
     with pytest.raises(MemoryError):
         simulate_live(wish, tmp_path / "b", played(wish.program)[0], pace=killed)
-    assert problems(tmp_path / "b") == [f"{tmp_path / 'b'}: unfinished; run it again with --overwrite"]
+    assert problems(tmp_path / "b") == [f"{tmp_path / 'b'}: unfinished; run it again, and overwrite it"]
     with pytest.raises(UserError, match="is unfinished; only a complete campaign"):
         plan_of(tmp_path / "b")

@@ -187,7 +187,7 @@ def test_a_data_set_does_not_run_the_program_that_it_names(tmp_path, capsys):
     spec.write_text('sensors = ["pes"]\nseeds = [1]\nprograms = ["two_*.tap"]\neffects = "fx.py"\n')
     words = ["dataset", str(spec), "-o", str(tmp_path / "out")]
     assert cli.main(words) == 2
-    assert f"if you trust it, add --effects {tmp_path / 'fx.py'}" in capsys.readouterr().err
+    assert f"if you trust it, give --effects {tmp_path / 'fx.py'}" in capsys.readouterr().err
     other = tmp_path / "other.py"
     other.write_text("pass\n")
     assert cli.main([*words, "--effects", str(other)]) == 2
