@@ -52,6 +52,7 @@ class Compensator(RegressorMixin, BaseEstimator):
     rate_hz : float
         Sampling rate of the rows.
     seed : int
+        Of the networks' first weights.
 
     Attributes
     ----------

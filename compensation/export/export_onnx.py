@@ -33,8 +33,8 @@ def write_onnx(compensator: TrainedCompensator | Fitted, path: str | Path) -> No
     Inputs are ``conductance_S``, shape (1,), in S; ``steps``, shape (1,), the time since the last good sample in s,
     times the compensator's rate in Hz; and the state: ``forced``, ``fading``, ``sums`` and ``seen``, each shape (k,)
     for k smoothing filters, ``elapsed`` and ``last``, each shape (1,); where motion or play is remembered also
-    ``settled``, shape (1,), ``motion`` and ``play``, one value a memory. All of
-    it starts with zeros, but ``fading`` with ones.
+    ``settled``, shape (1,), ``motion`` and ``play``, one value a memory. At the
+    start ``fading`` holds ones, all else zeros.
 
     Outputs are ``prediction``, shape (1,), in N or mm; ``status``, shape (1,), the flags of
     `compensation.model.runtime.Status`; and the next state, with ``next_`` before each name. A faulty sample gives

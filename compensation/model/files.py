@@ -180,6 +180,12 @@ def load(path: str | Path) -> TrainedCompensator:
     ----------
     path : path
 
+    Returns
+    -------
+    TrainedCompensator
+        For `predicted`, `CompensatorStream`, `c_header` and `write_onnx`; ``.target``, ``.unit`` and ``.rate_hz`` say
+        what it predicts.
+
     Raises
     ------
     UserError

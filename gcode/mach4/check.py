@@ -37,7 +37,7 @@ class CheckResult:
     Attributes
     ----------
     problems : tuple of Problem
-        None: the program may run.
+        Where it is empty, the program may run.
     statistics : MotionStatistics or None
         Of the motion as executed; None where it was not executed.
     executed : Trajectory or None

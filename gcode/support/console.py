@@ -49,10 +49,25 @@ def knitbench_version() -> str:
 
 
 class _Parser(argparse.ArgumentParser):
-    """argparse with one-line errors that say where help is."""
+    """argparse with one-line errors that say what is allowed, and where help is."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        self.register("type", int, _number(int, "a whole number"))
+        self.register("type", float, _number(float, "a number"))
 
     def error(self, message: str) -> NoReturn:
         self.exit(EXIT_BAD_INPUT, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
+
+
+def _number(kind: type[int] | type[float], allowed: str) -> Callable[[str], float]:
+    def number(text: str) -> float:
+        try:
+            return kind(text)
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"must be {allowed}, got {text!r}") from None
+
+    return number
 
 
 def build_parser(prog: str, description: str, package: str, commands: Sequence[str]) -> argparse.ArgumentParser:

@@ -25,16 +25,20 @@ LONGEST_SOURCE = 20.0  # times the duration: noise so much slower than its least
 
 
 class Noise(RangedPiece):
-    """Pseudo-natural motion: Perlin noise over a strain range.
+    """Pseudo-natural motion: Perlin noise (Perlin, Computer Graphics 19 (1985) 287) over a strain range.
 
     Attributes
     ----------
+    low_percent, high_percent : float
+        Strains between which it moves.
     duration_s : float
         Executed duration, the approach not counted.
     cells_per_s : float
         Noise cells per second of the slowest octave: how often the direction changes.
-    octaves, persistence
-        How many octaves, and the amplitude of each relative to the one before.
+    octaves : int
+        How many noises are added, each twice as quick as the one before.
+    persistence : float
+        Amplitude of each relative to the one before.
     peak : float or None
         Noise level at the ends of the strain range; a smaller one uses the range more. None: what 23 min reach.
     min_speed_mm_per_s : float
@@ -46,6 +50,12 @@ class Noise(RangedPiece):
         If given, the shape is adjusted for each seed until the executed motion has these statistics.
     sprint_mm_per_s : float or None
         If given, the fastest stroke of the run is brought up to this speed.
+
+    Examples
+    --------
+    >>> import gcode
+    >>> gcode.generate(gcode.Noise(duration_s=60, high_percent=20), seed=1).statistics.x_max_mm <= 5.0
+    True
     """
 
     kind: Literal["noise"] = "noise"

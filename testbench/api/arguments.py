@@ -53,11 +53,11 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
     Parameters
     ----------
     source : path, DataFrame or mapping of str to array, each shape (n,)
-        A table of polars or Arrow is one, too.
-        Columns ``time_s``, ``displacement_mm``, ``force_N``, ``resistance_ohm``; force or resistance may be missing.
-        Others that have no number from top to bottom, such as remarks, are left out.
+        With columns ``time_s``, ``displacement_mm``, ``force_N``, ``resistance_ohm``; force or resistance may be
+        missing. Other columns without a single number, such as remarks, are left out. A table of polars or Arrow
+        counts as a data frame.
     gauge_length_mm : float, optional
-        Length of the unstretched sensor between the clamps; a campaign knows its own.
+        Length of the unstretched sensor between the clamps, in mm; a campaign knows its own.
 
     Returns
     -------

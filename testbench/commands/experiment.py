@@ -36,7 +36,8 @@ def run(args: argparse.Namespace) -> int:
     if args.diagnosis and (args.models or not args.fit):
         raise UserError("experiment: --diagnosis goes with --fit RECORDING and without MODEL files")
     if not args.diagnosis and len(args.models) < 2:
-        raise UserError("experiment: give two rival MODEL files, or --diagnosis JSON --fit RECORDING")
+        told = f"give two rival MODEL files, or --diagnosis JSON --fit RECORDING; got {len(args.models)} MODEL"
+        raise UserError(f"experiment: {told}")
     check_place(args.json)
     check_place(args.plot)
     tell = Telling("motion", len(MENU), "imitating on")

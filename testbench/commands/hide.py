@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=float,
         default=5.0,
         metavar="X",
-        help="RMS of what the baseline cannot absorb, over the noise floor (default %(default)g)",
+        help="RMS of what the sensor's own base laws cannot absorb, over the noise floor (default %(default)g)",
     )
     parser.add_argument(
         "--seed",

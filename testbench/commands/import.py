@@ -59,7 +59,7 @@ def _add_columns(parser: argparse.ArgumentParser) -> None:
         "columns",
         "Found by name and unit. COL is a name, a number from 1, or none where there is no such column.",
     )
-    shared = {name: group.add_mutually_exclusive_group() for name in ("time", "displacement", "resistance", "force")}
+    shared = {name: group.add_mutually_exclusive_group() for name in ("time", "displacement", "resistance")}
     shared["strain"] = shared["displacement"]
     shared |= dict.fromkeys(("conductance", "relative-resistance", "relative-change"), shared["resistance"])
     for name, words in COLUMNS:

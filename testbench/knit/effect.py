@@ -103,7 +103,7 @@ def parameter(
 
 
 class Effect(BaseModel):
-    """Base of all effects. See the module's docstring for what a subclass declares.
+    """Base of all effects; docs/adding-an-effect.md shows one, with what it declares.
 
     Class attributes
     ----------------

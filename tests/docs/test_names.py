@@ -13,11 +13,12 @@ PACKAGES = ("gcode", "testbench", "compensation")
 TEXTS = [
     ROOT / "README.md",
     ROOT / "CONTRIBUTING.md",
-    *(ROOT / "docs").glob("*.md"),
+    *(ROOT / "docs").rglob("*.md"),
     *(path for package in PACKAGES for path in (ROOT / package).rglob("*.py")),
 ]
 NAME = re.compile(rf"`((?:{'|'.join(PACKAGES)})(?:\.[a-z_]\w*)+(?:\.\w+)?)`")
 FILE = re.compile(r"`([\w/]+\.py)`")
+FOLDERS = ("", *(f"{package}/" for package in PACKAGES), "testbench/fitting/", "testbench/diagnosis/")
 
 
 def is_there(name: str) -> bool:
@@ -51,3 +52,15 @@ def test_a_name_that_is_gone_is_seen() -> None:
 @pytest.mark.parametrize("path", FILE.findall((ROOT / "docs/architecture.md").read_text(encoding="utf-8")))
 def test_every_file_on_the_map_is_there(path: str) -> None:
     assert any(ROOT.glob(f"*/{path}")) or any(ROOT.glob(f"*/*/{path}"))
+
+
+def test_every_file_that_is_named_with_its_room_is_there() -> None:
+    pages = [path for path in TEXTS if path.suffix == ".md"]
+    told = {name: path.name for path in pages for name in FILE.findall(path.read_text(encoding="utf-8"))}
+    named = {
+        name: page for name, page in told.items() if "/" in name and name != "campaigns/effects.py"
+    }  # a user's own
+    assert len(named) > 30
+    assert not {
+        name: page for name, page in named.items() if not any((ROOT / one / name).is_file() for one in FOLDERS)
+    }

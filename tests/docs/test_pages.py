@@ -6,8 +6,11 @@ import importlib
 import re
 import tomllib
 from pathlib import Path
+from typing import get_args
 
 import pytest
+
+from gcode.trajectories.designed import AnyPiece
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -38,6 +41,29 @@ def test_the_page_of_the_diagnosis_counts_the_numbers_that_nothing_derives():
     )
     told = (DOCS / "diagnosis.md").read_text(encoding="utf-8")
     assert f"{believed} numbers are believed of sensors, and {spent} limit what a search spends" in told
+
+
+def test_every_setting_of_a_piece_of_a_motion_is_on_its_page():
+    rows = re.findall(r"^\| `(\w+)` \|.*\| (`.*) \|$", (DOCS / "gcode.md").read_text(encoding="utf-8"), re.MULTILINE)
+    told = {kind: set(re.findall(r"`(\w+)`", settings)) for kind, settings in rows}
+    pieces = get_args(get_args(AnyPiece)[0])
+    assert told == {one.model_fields["kind"].default: set(one.model_fields) - {"kind"} for one in pieces}
+
+
+def test_the_first_page_counts_the_cases_of_the_benchmark():
+    """Of the second and the third simulator all rows are summed; shares are of whole cases."""
+    rows = re.findall(
+        r"^\| (?:`(?:second|third)`|eight before).*?\| (?:(\d+) % of (\d+)|(\d+) of (\d+)) \|",
+        (DOCS / "benchmark-diagnosis.md")
+        .read_text(encoding="utf-8")
+        .partition("## Fresh seeds")[2]
+        .partition("##")[0],
+        re.MULTILINE,
+    )
+    right = sum(round(int(share) * int(of) / 100) if share else int(count) for share, of, count, _ in rows)
+    cases = sum(int(of or of_few) for _, of, _, of_few in rows)
+    readme = (DOCS.parent / "README.md").read_text(encoding="utf-8")
+    assert f"first in {right} of {cases} cases" in " ".join(readme.split())
 
 
 @pytest.mark.parametrize("package", ["gcode", "testbench", "compensation"])

@@ -51,9 +51,9 @@ def simulate(
     instruments : Instruments, optional
         Default: those of the paper's bench.
     after : iterable of path, optional
-        Programs, or campaigns of this sensor, that it went through before, each with `rest_s` after it. It remembers
-        them.
+        Programs, or campaigns of this sensor, that it went through before, in order. It remembers them.
     rest_s : float
+        Rest after each of these, in s.
     effects : path, Catalogue or effect classes, optional
         The user's own effects that a model file uses.
 

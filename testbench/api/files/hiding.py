@@ -104,7 +104,7 @@ def hide(
     folder : path
         New or empty.
     strength : float
-        RMS of what the baseline cannot absorb, over the noise floor.
+        RMS of what the sensor's own base laws cannot absorb, over the noise floor.
     seed : int, optional
         Of sensor, motion and noise: the same seed, the same files. Default: random.
     world : str

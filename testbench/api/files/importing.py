@@ -139,7 +139,7 @@ def import_file(path: str | Path, wish: Wish | None = None, *, gauge_length_mm: 
     Parameters
     ----------
     path : path
-    wish : testbench.importing.wish.Wish, optional
+    wish : testbench.Wish, optional
         What you say about the file: columns, units, repairs.
     gauge_length_mm : float, optional
         Length between the clamps at rest, in mm; needed where the file has a displacement or strain and `wish` does

@@ -26,7 +26,7 @@ def preset(name: str) -> KnitModel:
     Parameters
     ----------
     name : str
-        ``"pes"`` (conductive polyester yarn) or ``"lycra"`` (with elastane); see `names`. ``"pes@3"``: one of many
+        ``"pes"`` (conductive polyester yarn) or ``"lycra"`` (with elastane). ``"pes@3"``: one of many
         that differ as specimens do; ``"pes@0"`` is ``"pes"``.
 
     Returns

@@ -65,6 +65,16 @@ def test_a_port_is_one_that_can_be_opened(port, capsys):
     assert f"must be a whole number from 1 to 65535, got '{port}'" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("option", "said"), [("--seed", "must be a whole number, got 'x'"), ("--v-max", "must be a number, got 'x'")]
+)
+def test_a_word_for_a_number_is_told_what_is_allowed(option, said, capsys):
+    with pytest.raises(SystemExit) as ended:
+        gcode.cli.main(["generate", "--preset", "paper-1", option, "x", "-o", "run-1"])
+    assert ended.value.code == 2
+    assert f"argument {option}: {said}" in capsys.readouterr().err
+
+
 def test_the_ends_of_a_range_belong_to_it():
     assert [console.whole(1, 7)(text) for text in ("1", "7")] == [1, 7]
     with pytest.raises(argparse.ArgumentTypeError, match="from 1 to 7, got '8'"):

@@ -11,7 +11,7 @@ from tests.testbench.api.samples import after_examples
 
 PACKAGES = ("testbench", "gcode", "compensation")
 GIVEN = ("Result", "Case", "Experiment", "Ladder", "Made", "Program", "Trajectory", "UserError")  # nobody makes these
-ELSEWHERE = {"testbench.Effect", "testbench.Stage", "gcode.Noise"}  # in the examples of `parameter` and of `Limits`
+ELSEWHERE = {"testbench.Effect", "testbench.Stage"}  # in the example of `parameter`
 
 
 def told() -> dict[str, object]:

@@ -122,7 +122,7 @@ def test_command_writes_the_winner(tmp_path, capsys):
 
 def test_command_says_what_it_needs(capsys):
     assert main(["experiment", "one.json"]) == 2
-    assert "two rival MODEL files" in capsys.readouterr().err
+    assert "two rival MODEL files, or --diagnosis JSON --fit RECORDING; got 1 MODEL" in capsys.readouterr().err
 
 
 def test_command_takes_the_tied_effects_of_a_diagnosis(tmp_path, capsys):
