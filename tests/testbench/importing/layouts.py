@@ -47,7 +47,14 @@ DECOYS = [("Cycle", ""), ("Note", ""), ("Max force", "N"), ("Force rate", "N/s")
 TITLES = ["Specimen 1", '"Specimen 1"', "Instron 5543, knit 3", "Prüfung: Gestrick; Charge 7", "# exported"]
 TITLES += ['"Remark: washed\ntwice"', '"Strip 2 wide', 'Strip 2" wide']  # line breaks and inches
 FORMS = ["{name} [{unit}]", "{name} ({unit})", "{name}({unit})", "{name} / {unit}", "{name}, {unit}", "{name}_{unit}"]
-FORMS += ["{name}\n({unit})", "{name} in {unit}", "# {name} [{unit}]"]
+FORMS += [
+    "{name}\n({unit})",
+    "{name} in {unit}",
+    "# {name} [{unit}]",
+    "{name}_({unit})",
+    "{name}_{unit}_",
+    "{name}..{unit}.",
+]
 
 
 @dataclass
