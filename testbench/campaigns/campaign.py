@@ -19,8 +19,9 @@ from testbench.recordings.manifest import CSV, Campaign, read_manifest, write_ma
 from testbench.recordings.recording import Recording
 from testbench.recordings.versions import software_versions
 from testbench.rig.acquisition.recorder import DISK_STATES, Recorder, Report, Status, counts
-from testbench.rig.acquisition.sink import BAD, COMPENSATED, EVENTS, Sink
+from testbench.rig.acquisition.sink import BAD, COMPENSATED, EVENTS, Sink, Syncer
 from testbench.rig.connection.parts import Part, in_memory
+from testbench.rig.protocol.items import Item
 from testbench.rig.protocol.stream import Intake
 from testbench.rig.simulation.at_once import at_once
 from testbench.rig.simulation.simulated import Motion
@@ -108,35 +109,42 @@ def _fill(
     intake: Intake,
     stopped: Callable[[], bool] = lambda: False,
 ) -> Status:
-    sink = Sink(folder)
-    try:
-        recorder = Recorder(intake, sink, plan.gauge_length_mm, duration_s=motion.duration_s, report=report)
-        status = recorder.run(link, stopped)
-    finally:
-        whole = sink.close()
-    status.sync_failures = sink.sync_failures
-    return finish(folder, plan.gauge_length_mm, "simulated", status, whole, plan.recipe(), intake)
+    recorder = Recorder(intake, Sink(folder), plan.gauge_length_mm, duration_s=motion.duration_s, report=report)
+    return filled(folder, "simulated", plan.recipe(), recorder, link, stopped)
 
 
-def finish(
+def filled(
     folder: Path,
-    gauge_length_mm: float,
     origin: str,
-    status: Status,
-    whole: bool,
     recipe: dict[str, Any],
-    intake: Intake,
+    recorder: Recorder,
+    link: Iterable[Part],
+    stopped: Callable[[], bool],
+    first: Iterable[Item] = (),
     again: Iterable[None] = (),
 ) -> Status:
-    """Write the manifest over the files in `folder`, and say how it ended.
+    """Let a recorder take what `link` delivers, close its files in `folder`, and write the manifest over them.
 
     A disk that does not even take the manifest leaves the campaign unfinished, as a killed recorder does: its files
     are as readable as those, and `testbench record --resume` takes it up. Each element of `again` is another trial.
+
+    Parameters
+    ----------
+    first : iterable of Item
+        What is written before the first of the link.
     """
+    sink, intake = recorder.sink, recorder.intake
+    try:
+        sink.write(first)
+        with Syncer(sink):
+            status = recorder.run(link, stopped)
+    finally:
+        whole = sink.close()
+    status.sync_failures = sink.sync_failures
     counted = counts(intake) | {"samples": intake.accepted - status.unwritten}
     counted |= {"unwritten": status.unwritten} if status.unwritten else {}
     counted |= {"sync_failures": status.sync_failures} if status.sync_failures else {}
-    campaign = Campaign(gauge_length_mm, origin, status.state, recipe, counted, software_versions())
+    campaign = Campaign(recorder.gauge_length_mm, origin, status.state, recipe, counted, software_versions())
     problem = "a file could not be closed with a whole line"
     for _ in chain([None], again) if whole else ():
         try:

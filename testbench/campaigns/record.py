@@ -11,7 +11,7 @@ from typing import Any
 
 from gcode.support.errors import UserError
 from gcode.support.files import copy_file, drafted_folder, sha256_of
-from testbench.campaigns.campaign import campaign_files, finish
+from testbench.campaigns.campaign import campaign_files, filled
 from testbench.campaigns.plan import PROGRAM
 from testbench.recordings.manifest import CSV, IN_PROGRESS, NAME, Campaign, read_manifest, write_manifest
 from testbench.recordings.versions import software_versions
@@ -19,7 +19,7 @@ from testbench.rig.acquisition.ending import EndOfMotion
 from testbench.rig.acquisition.held import held
 from testbench.rig.acquisition.recorder import PROGRESS_S, Follow, Limits, Recorder, Report, Status
 from testbench.rig.acquisition.resume import continued, mend, watched
-from testbench.rig.acquisition.sink import EVENTS, ROOM_BYTES, Sink, Syncer
+from testbench.rig.acquisition.sink import EVENTS, ROOM_BYTES, Sink
 from testbench.rig.connection.parts import Part
 from testbench.rig.connection.ports import remembered_port, stated_port
 from testbench.rig.connection.serial_port import GIVE_UP_S, host_clock_s
@@ -164,28 +164,20 @@ def record(
         ending, intake, first = EndOfMotion.of(job.motion), Intake(), list[Event]()
         if resume:
             intake, ending, first = _taken_up(job, folder, ending, clock)
-        sink = Sink(folder, ROOM_BYTES)
-        try:
-            sink.write(first)
-            recorder = Recorder(
-                intake,
-                sink,
-                job.gauge_length_mm,
-                job.limits,
-                job.motion.duration_s,
-                is_over=ending,
-                report=report,
-                disk_patience_s=job.give_up_s,
-                pause=pause,
-                follow=follow,
-            )
-            with Syncer(sink):
-                status = recorder.run(link, stopped)
-        finally:
-            whole = sink.close()
-        status.sync_failures = sink.sync_failures
+        recorder = Recorder(
+            intake,
+            Sink(folder, ROOM_BYTES),
+            job.gauge_length_mm,
+            job.limits,
+            job.motion.duration_s,
+            is_over=ending,
+            report=report,
+            disk_patience_s=job.give_up_s,
+            pause=pause,
+            follow=follow,
+        )
         again = _paused(pause, job.give_up_s)
-        return finish(folder, job.gauge_length_mm, "recorded", status, whole, job.recipe(), intake, again)
+        return filled(folder, "recorded", job.recipe(), recorder, link, stopped, first, again)
 
 
 def _taken_up(

@@ -30,7 +30,7 @@ UNITS = (
     ("time", "s, ms, us, min, h, d, or date for dates and times"),
     ("displacement", "mm, um, cm, m, in"),
     ("strain", "1, %%, ‰, µε"),
-    ("force", "N, mN, cN, daN, kN, gf, kgf, lbf"),
+    ("force", "N, mN, cN, daN, kN, gf, kgf, lbf, ozf"),
     ("resistance", "ohm, mohm, kohm, Mohm"),
     ("conductance", "S, mS, uS, nS"),
     ("temperature", "C, K, F"),

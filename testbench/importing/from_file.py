@@ -1,6 +1,6 @@
 """A foreign file becomes a recording: columns and units as the file or a person says, never as we would like them.
 
-Step by step: how the file is written (`sheet`, `layout`), which column is what (`choice`), its numbers in our units
+Step by step: how the file is written (`sheet`, `layout`), which column is what (`choosing`), its numbers in our units
 (`columns`), the rows that can be used and their order (`rows`), zero and sign (`signs`).
 """
 
@@ -13,13 +13,15 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from gcode.support.files import sha256_of
-from testbench.importing.choice import ELECTRICAL, FLAGS, NAMED, Choice, choose, idle_words
+from testbench.importing.choice import ELECTRICAL, FLAGS, NAMED, Choice
+from testbench.importing.choosing import choose
 from testbench.importing.columns import Read, on_main_clock, read_columns
 from testbench.importing.files.opening import open_sheet
 from testbench.importing.gauge import gauge_doubts
 from testbench.importing.imported import Imported
 from testbench.importing.layout import Column, misfit
 from testbench.importing.rows import channels_of, check_change, in_order, mostly_one_gap, repeats_of, usable
+from testbench.importing.said import idle_words
 from testbench.importing.sheet import Sheet
 from testbench.importing.signs import doubts, turned, zeroed
 from testbench.importing.tables_above import left_out, passed_over

@@ -233,10 +233,11 @@ def _speaks(cells: Sequence[str]) -> bool:
 
 
 def _is_units(cells: Sequence[str]) -> bool:
-    filled = [cell for cell in cells if cell.strip()]
-    known = sum(bool(units_spelt(cell)) and not read_heading(cell).base for cell in filled)
-    known += sum(cell.strip() == "s" for cell in filled)  # in a row of units it is no displacement
-    return known >= 1 and 2 * known >= len(filled)
+    """Whether half of a row are units, and not only such as a number or a dash may be, too (1, -)."""
+    filled = [cell.strip() for cell in cells if cell.strip()]
+    # In a row of units, s is no displacement.
+    known = [cell for cell in filled if cell == "s" or (units_spelt(cell) and not read_heading(cell).base)]
+    return bool(words_in(known)) and 2 * len(known) >= len(filled)
 
 
 def names_above(rows: Rows, start: int, width: int) -> int | None:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from testbench.importing.choice import FLAGS, UNIT_FLAGS, Trouble, described
+from testbench.importing.choice import FLAGS, UNIT_FLAGS, Trouble
 from testbench.importing.layout import Column, Layout
+from testbench.importing.said import described
 from testbench.importing.vocabulary.laboratory_units import symbols
 from testbench.importing.vocabulary.roles import ROLES
 

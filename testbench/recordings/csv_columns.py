@@ -122,13 +122,12 @@ def is_remark(name: str, column: pd.Series) -> bool:
 
 
 def as_numbers(column: pd.Series) -> pd.Series:
-    """A column as numbers; NaN where a cell is none, or a whole number of hundreds of digits."""
+    """A column as numbers; NaN where a cell is none, as True is none. What is too large for one is infinite."""
     import pandas as pd
 
-    try:
-        return pd.to_numeric(column, errors="coerce")
-    except OverflowError:
-        return column.map(_as_float).astype(float)
+    if column.dtype.kind in "bO":
+        column = column.astype(str).where(column.notna())
+    return pd.to_numeric(column, errors="coerce")
 
 
 def _has_line_breaks(frame: pd.DataFrame) -> bool:
@@ -171,7 +170,7 @@ def _numbers(path: Path, name: str, column) -> np.ndarray:
     if wrong.size:
         row, came = int(wrong[0]) + 2, column.iloc[int(wrong[0])]
         raise UserError(
-            f"{path}: row {row}: {name} must be a number, got {came!r}; "
+            f"{path}: row {row}: {name} must be a number, got {str(came)!r:.60}; "
             "`testbench import --drop-bad` leaves such rows out"
         )
     return numbers.to_numpy(dtype=np.float64)

@@ -119,17 +119,17 @@ _LINE = st.one_of(
 programs = st.lists(_LINE, max_size=12).map("\n".join)
 
 _CELL = st.one_of(
-    st.sampled_from(
-        ["", "nan", "inf", "1e999", "x", "1,5", '"', "0", "-1", "9" * 400, " 3 ", "é", "1e-320", "\t", ";"]
-    ),
+    st.sampled_from([
+        "", "nan", "inf", "1e999", "x", "1,5", '"', "0", "-1", "9" * 400, " 3 ", "é", "1e-320", "\t", ";", "True",
+    ]),
     st.floats(0, 100).map(lambda value: f"{value:.3f}"),
-)
+)  # fmt: skip
 _HEADER = st.lists(
-    st.sampled_from(
-        ["time_s", "displacement_mm", "force_N", "resistance_ohm", "temperature_C", "", "x", "Kraft", '"a']
-    ),
+    st.sampled_from([
+        "time_s", "displacement_mm", "force_N", "resistance_ohm", "temperature_C", "", "x", '"a', "strain_mm_mm",
+    ]),
     max_size=6,
-)
+)  # fmt: skip
 
 
 @st.composite

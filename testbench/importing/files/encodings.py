@@ -6,7 +6,9 @@ import codecs
 import re
 
 from gcode.support.errors import UserError
+from testbench.importing.vocabulary.roles import EASTERN_WORDS
 
+_EASTERN = ("gb18030", "big5", "cp932", "cp949")
 _UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 _NO_TEXT = re.compile(rb"[\0-\x08]")
 
@@ -14,9 +16,10 @@ _NO_TEXT = re.compile(rb"[\0-\x08]")
 def encoding_of(raw: bytes) -> str | None:
     """The encoding of a file's first bytes; None where they are no text.
 
-    UTF-8 and UTF-16 show themselves. Of the rest, GBK writes every Chinese character as two bytes above 0xA0, while
-    the letters and signs of Latin-1 (``ü``, ``µ``, ``°``) stand alone among plain letters. Single lines that are no
-    text, as a serial port gives them before a board has begun to talk, leave the others one.
+    UTF-8 and UTF-16 show themselves. Of those of China, Japan and Korea, it is the one in which the text has names of
+    what we look for. Of the rest, GBK writes every Chinese character as two bytes above 0xA0, while the letters and
+    signs of Latin-1 (``ü``, ``µ``, ``°``) stand alone among plain letters. Single lines that are no text, as a serial
+    port gives them before a board has begun to talk, leave the others one.
     """
     if raw.startswith(_UTF16):
         return "utf-16"
@@ -27,6 +30,9 @@ def encoding_of(raw: bytes) -> str | None:
         return "utf-16-le" if odd > even else "utf-16-be"
     if _decodes(raw, "utf-8-sig"):
         return "utf-8-sig"
+    names = {name: _names_in(raw, name) for name in _EASTERN}
+    if any(names.values()):
+        return max(names, key=lambda name: names[name])
     if _in_pairs(raw) and _decodes(raw, "gb18030"):
         return "gb18030"
     return "cp1252" if _decodes(raw, "cp1252") else "latin-1"
@@ -44,6 +50,11 @@ def _decodes(raw: bytes, encoding: str) -> bool:
     except UnicodeDecodeError:
         return False
     return True
+
+
+def _names_in(raw: bytes, encoding: str) -> int:
+    text = raw.decode(encoding) if _decodes(raw, encoding) else ""
+    return sum(word in text for word in EASTERN_WORDS)
 
 
 def _in_pairs(raw: bytes) -> bool:

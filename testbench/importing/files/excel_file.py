@@ -189,13 +189,19 @@ def _shown(cell: Any) -> str:
     return str(cell)
 
 
+def _is_stored_number(cell: Any) -> bool:
+    return isinstance(cell, int | float) and not isinstance(cell, bool)
+
+
 def _typed(cells: list[Any]) -> pd.Series:
     import pandas as pd
 
-    if all(cell is None or (isinstance(cell, int | float) and not isinstance(cell, bool)) for cell in cells):
+    if all(cell is None or _is_stored_number(cell) for cell in cells):
         return pd.Series(cells, dtype="float64")
     if all(cell is None or isinstance(cell, datetime.datetime) for cell in cells):
         return pd.to_datetime(pd.Series(cells))
     if all(cell is None or isinstance(cell, datetime.timedelta) for cell in cells):
         return pd.to_timedelta(pd.Series(cells))
-    return pd.Series([None if cell is None else _shown(cell) for cell in cells], dtype="string")
+    return pd.Series(
+        [cell if cell is None or _is_stored_number(cell) else _shown(cell) for cell in cells], dtype=object
+    )

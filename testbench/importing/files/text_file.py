@@ -20,8 +20,8 @@ from gcode.support.strict import blocks_of
 from testbench.importing.files.encodings import encoding_of, is_text, known_encoding
 from testbench.importing.layout import Layout, count_numbers, find_layout, is_data, shortened
 from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
-from testbench.importing.vocabulary.notation import decimal_sign, is_number, is_when
-from testbench.recordings.csv_columns import MOST_COLUMNS, as_numbers, in_words
+from testbench.importing.vocabulary.notation import decimal_sign, is_number, is_when, numbers
+from testbench.recordings.csv_columns import MOST_COLUMNS, in_words
 from testbench.recordings.quoted import check_quotes
 
 if TYPE_CHECKING:
@@ -32,8 +32,8 @@ BLANKS = " "  # any number of blanks is one separator
 MOST_BROKEN = 60  # lines of a row whose quoted cells have line breaks
 # What may stand between names that have blanks themselves, where blanks part the numbers below them.
 BETWEEN_NAMES = (re.compile(r"\s*[,;|\t]\s*"), re.compile(r"\t+| {2,}"))
-# Arduino's monitor writes when a line came, and an arrow before what came.
-STAMPED = r"(?m)^(\d{1,2}:\d{2}:\d{2}[.,]\d{3}) ->[ \t]?"
+# The monitors of Arduino and PlatformIO write when a line came, and an arrow before what came.
+STAMPED = r"(?m)^(\d{1,2}:\d{2}:\d{2}[.,]\d{3}) -?>[ \t]?"
 END_OF_TEXT = "\x1a"  # of DOS, which some loggers still write below the last row
 AFTER_A_UNIT = re.compile(r"(?<=[)\]])\s+")
 
@@ -161,7 +161,7 @@ class TextSheet(Sheet):
         import pandas as pd
 
         first, beyond = wanted[0], len(self.layout.columns) + 1
-        shifted = as_numbers(frame[beyond]).notna()
+        shifted = pd.Series(~np.isnan(numbers(frame[beyond], self.decimal)[0]), index=frame.index)
         short = pd.Series(False, index=frame.index)
         if self._usual in frame and self._usual not in wanted:
             short = (frame[self._usual] == 0) & frame[wanted].notna().any(axis=1)
@@ -241,7 +241,7 @@ def _split(lines: Sequence[str], separator: str) -> list[list[str]]:
 
 def _stamps_apart(text: str, separator: str) -> str:
     """Lines of cells in which the stamp of a serial monitor is a cell of its own."""
-    return re.sub(rf"{STAMPED}(?=.*{re.escape(separator)})", rf"\1{separator}", text) if "->" in text else text
+    return re.sub(rf"{STAMPED}(?=.*{re.escape(separator)})", rf"\1{separator}", text) if ">" in text else text
 
 
 def _at_blanks(line: str) -> list[str]:

@@ -9,13 +9,16 @@ from testbench.importing.vocabulary.laboratory_units import PREFIX, Unit, plain_
 from testbench.importing.vocabulary.relative import ratio_by_formula
 from testbench.importing.vocabulary.roles import ROLES, STRETCH, is_generic, roles_of
 
-_BRACKET = re.compile(r"^(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\)|\{([^{}]*)\}|<([^<>]*)>)\s*$", re.S)
-_TAIL = re.compile(rf"^(.*?)(?:\s*/\s*|\s+in\s+|\s*[,:;=]\s*|_|\s+)((?:{PREFIX}[\s_]+)?[^\s/,:;=_]+)$", re.S)
+_BRACKET = re.compile(r"^(.*?)[\s_]*(?:\[([^\[\]]*)\]|\(([^()]*)\)|\{([^{}]*)\}|<([^<>]*)>)\s*$", re.S)
+_TAIL = re.compile(
+    rf"^(.*?)(?:\s*/\s*|\s+in\s+|[\s_]+per[\s_]+|\s*[,:;=]\s*|_|\s+)((?:{PREFIX}[\s_]+)?[^\s/,:;=_]+)$", re.S
+)
 _STROKE = re.compile(r"^([^/,]+?)\s*[/,]\s*([^\s/,\d][^\s,]*)$")
 _RATIOS = {role for role, quantities in ROLES.items() if quantities == ("ratio",)}
 LONGEST = 300  # characters of a cell that are looked at; no name of a column is longer
 _PER_CENT = re.compile(r"^(.*?)\s*([%‰])$", re.S)
 _BEFORE = re.compile(r"^([%‰]|(?:per ?cent|prozent|pct)(?=[\s_]))[\s_]*(?:of\s+)?(?=\S)", re.I)  # % strain
+_MADE = re.compile(r"\.\.([^.]+)\.$")  # R makes Load..N. of Load (N), and MATLAB Load_N_
 _COMMENT = re.compile(r"^(?:#+|//+)\s*(?=\S)")
 _HIGH = "[⁰¹²³⁴-⁹⁻]"
 _POWERS = (  # whether the numbers are to be multiplied or were, nobody can tell
@@ -79,6 +82,7 @@ class Heading:
 def read_heading(text: str) -> Heading:
     """Part a header cell: ``Kraft [N]``, ``Weg / mm``, ``time_ms``, ``Load(Cell 1:Load) (N)``, ``# Zeit in s``."""
     plain = _COMMENT.sub("", plain_text(text[:LONGEST]).strip("\"'").strip())
+    plain = _MADE.sub(r" (\1)", plain).rstrip("_")
     power = power_of_ten(plain)
     whole, unit_text = _unit_in_front(plain.replace(power, "", 1).strip() if power else plain)
     base = _without_brackets(whole)
@@ -110,6 +114,8 @@ def _parted(plain: str) -> tuple[str, str]:
     bracket = _BRACKET.match(plain)
     if bracket and bracket[1].strip():
         inside = next(part for part in bracket.groups()[1:] if part is not None).strip()
+        if bracket[1].rstrip().endswith("/"):
+            return plain, f"/{inside}"  # [mm]/[mm], the lower half of a unit
         if _may_be_a_unit(inside, bracket[1]):
             return bracket[1].strip(), inside
         return plain, _tail(bracket[1])[1]
@@ -126,14 +132,18 @@ def _may_be_a_unit(inside: str, name: str) -> bool:
 
 
 def _tail(plain: str) -> tuple[str, str]:
-    """A unit behind a stroke, a comma, an underscore or a blank: one that suits the name before it."""
+    """A unit behind a stroke, a comma, an underscore or a blank: one that suits the name before it.
+
+    Behind another one (``strain_mm_mm``, ``Strain mm/mm``) it is the lower half of a unit.
+    """
     for pattern in (_PER_CENT, _TAIL):
         found = pattern.match(plain)
         if found and found[1].strip() and not ratio_by_formula(plain):
             name = found[1].strip()
             quantities = read_heading(name).quantities if not is_generic(name) else ()
             if unit_of(found[2], quantities) is not None:
-                return name, found[2]
+                before, above = _tail(name)
+                return (before, f"{above}/{found[2]}") if above and not above.isdigit() else (name, found[2])
     stroke = _STROKE.match(plain)
     if stroke and roles_of(stroke[1], stroke[1]) and not ratio_by_formula(plain):
         return stroke[1], stroke[2]  # a unit that we cannot read

@@ -50,10 +50,10 @@ STANDARD_GRAVITY = 9.80665
 # meaning (mN and MN, mΩ and MΩ, S and s), the spelling counts to the letter; what is in neither list is not read.
 _TABLE: dict[str, tuple[tuple[str, float, float, str, str], ...]] = {
     "time": (
-        ("s", 1.0, 0.0, "", "s sec secs second seconds sek sekunde sekunden 秒"),
-        ("ms", 1e-3, 0.0, "ms MS msec", "millis millisecond milliseconds millisekunde millisekunden 毫秒"),
+        ("s", 1.0, 0.0, "", "s sec secs second seconds sek sekunde sekunden 秒 초"),
+        ("ms", 1e-3, 0.0, "ms MS msec", "millis millisecond milliseconds millisekunde millisekunden 毫秒 ミリ秒"),
         ("µs", 1e-6, 0.0, "µs us usec", "micros microsecond microseconds mikrosekunde mikrosekunden 微秒"),
-        ("min", 60.0, 0.0, "", "min mins minute minutes minuten 分 分钟"),
+        ("min", 60.0, 0.0, "", "min mins minute minutes minuten 分 分钟 분"),
         ("h", 3600.0, 0.0, "h hr hrs", "hour hours stunde stunden 小时"),
         ("d", 86_400.0, 0.0, "d", "days tage jours 天"),
     ),
@@ -70,9 +70,10 @@ _TABLE: dict[str, tuple[tuple[str, float, float, str, str], ...]] = {
         ("cN", 1e-2, 0.0, "cN CN", "centinewton"),
         ("daN", 10.0, 0.0, "daN DaN", "decanewton dekanewton"),
         ("kN", 1e3, 0.0, "kN KN", "kilonewton kilonewtons 千牛"),
-        ("gf", STANDARD_GRAVITY * 1e-3, 0.0, "g gf g-f", "gram grams gramm gram-force pond 克"),
-        ("kgf", STANDARD_GRAVITY, 0.0, "kg Kg kgf kg-f kp KG KGF", "kilogram kilograms kilogramm kilopond 千克 公斤"),
-        ("lbf", 4.4482216152605, 0.0, "lbf lb lbs lb-f LBF", "pound-force pounds"),
+        ("gf", STANDARD_GRAVITY * 1e-3, 0.0, "g g-f", "gf gram grams gramm gram-force pond 克"),
+        ("kgf", STANDARD_GRAVITY, 0.0, "kg Kg kg-f kp KG", "kgf kilogram kilograms kilogramm kilopond 千克 公斤"),
+        ("lbf", 4.4482216152605, 0.0, "lb lbs lb-f", "lbf pound-force pounds"),
+        ("ozf", 4.4482216152605 / 16, 0.0, "", "ozf ounce-force"),
     ),
     "resistance": (
         ("Ω", 1.0, 0.0, "Ω", "ohm ohms 欧 欧姆"),

@@ -15,12 +15,12 @@ _CHANGES = (
 _RATIO = re.compile(rf"{_BEFORE}R_?t?/{_REST}{_NUMBER}", re.I)
 
 _RESISTANCE = frozenset(["r", "res", "resistance", "resistor"])
-_RESISTANCE_PARTS = ("widerstand", "电阻", "電阻")
+_RESISTANCE_PARTS = ("widerstand", "电阻", "電阻", "抵抗", "저항")
 _CHANGE = frozenset(["change", "changes", "variation", "delta", "dr"])
 _DELTA_R = ("δr", "δ r", "δ_r")
-_CHANGE_PARTS = ("änderung", "aenderung", "变化", "變化", *_DELTA_R)
+_CHANGE_PARTS = ("änderung", "aenderung", "变化", "變化", "変化", "변화", *_DELTA_R)
 _TO_REST = frozenset(["rel", "relative", "normalized", "normalised", "norm", "fractional"])
-_TO_REST_PARTS = ("relativ", "normiert", "相对", "相對", "归一", "歸一")
+_TO_REST_PARTS = ("relativ", "normiert", "相对", "相對", "相対", "상대", "归一", "歸一", "正規化", "정규화")
 
 
 def ratio_by_formula(name: str) -> str:

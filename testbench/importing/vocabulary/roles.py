@@ -1,7 +1,8 @@
 """The words that exports use for time, displacement, force and resistance, and which of these a column's name means.
 
-English, German and Chinese; the plain words of French, Italian and Spanish; and those of the testers: Standardweg and
-Standardkraft (testXpert), Extension and Load (Bluehill), Crosshead (MTS), Digital Position (WaveMatrix).
+English, German and Chinese; the plain words of French, Italian, Spanish, Portuguese, Dutch, Polish, Japanese and
+Korean; and those of the testers: Standardweg and Standardkraft (testXpert), Extension and Load (Bluehill), Crosshead
+(MTS), Digital Position (WaveMatrix), Distance (Exponent).
 """
 
 from __future__ import annotations
@@ -32,32 +33,35 @@ def _words(text: str) -> tuple[str, ...]:
     return tuple(text.split())
 
 
-# Whole words, without accents: English, and French, Italian and Spanish. Of those, none that is another thing in
-# English or German (course: of a knit, charge: a batch).
+# Whole words, without accents: English, and other languages that part their words. Of those, none that is another
+# thing in English or German (course: of a knit, charge: a batch).
 _WHOLE = {
-    "time": _words("time elapsed timestamp clock seconds runtime temps tempo tiempo"),
+    "time": _words("time elapsed timestamp epoch clock seconds runtime temps tempo tiempo tijd czas"),
     "displacement": _words(
-        "displacement displ disp extension elongation crosshead position pos stroke travel deflection "
-        "extensometer deplacement allongement spostamento corsa allungamento desplazamiento alargamiento deformation"
+        "displacement displ disp extension elongation crosshead position pos stroke travel deflection distance "
+        "extensometer deplacement allongement spostamento corsa allungamento desplazamiento alargamiento deformation "
+        "deslocamento alongamento verplaatsing verlenging przemieszczenie wydluzenie"
     ),
-    "strain": _words("strain"),
-    "force": _words("force load loadcell effort forza carico fuerza carga"),
-    "resistance": _words("resistance resistor res resistenza resistencia"),
-    "conductance": _words("conductance conduttanza conductancia"),
-    "temperature": _words("temperature temp temperatura"),
+    "strain": _words("strain odksztalcenie"),
+    "force": _words("force load loadcell effort forza carico fuerza carga forca kracht sila"),
+    "resistance": _words("resistance resistor res resistenza resistencia weerstand rezystancja opor"),
+    "conductance": _words("conductance conduttanza conductancia condutancia konduktancja"),
+    "temperature": _words("temperature temp temperatura temperatuur"),
 }
-# Parts of a word, for German, which joins its words, and Chinese, which does not part them.
+# Parts of a word, for German, which joins its words, and Chinese, Japanese and Korean, which do not part them.
 _PARTS = {
-    "time": _words("zeit 时间 时刻 時間 時刻"),
+    "time": _words("zeit 时间 时刻 時間 時刻 시간"),
     "displacement": _words(
-        "weg verschiebung verlängerung verlaengerung traverse verformung 位移 行程 伸长 伸長 变形 變形"
+        "weg verschiebung verlängerung verlaengerung längenänderung laengenaenderung traverse verformung "
+        "位移 行程 伸长 伸長 变形 變形 変位 伸び ストローク 변위 연신"
     ),
-    "strain": _words("dehnung 应变 應變"),
-    "force": _words("kraft 试验力 試驗力 拉力 载荷 載荷 荷重 负荷 負荷 力"),
-    "resistance": _words("widerstand 电阻 電阻"),
-    "conductance": _words("leitwert 电导 電導"),
-    "temperature": _words("temperatur 温度 溫度"),
+    "strain": _words("dehnung 应变 應變 ひずみ 歪み 변형률"),
+    "force": _words("kraft 试验力 試驗力 拉力 载荷 載荷 荷重 负荷 負荷 力 하중 시험력"),
+    "resistance": _words("widerstand 电阻 電阻 抵抗 저항"),
+    "conductance": _words("leitwert 电导 電導 コンダクタンス 컨덕턴스"),
+    "temperature": _words("temperatur 温度 溫度 온도"),
 }
+EASTERN_WORDS = [word for words in _PARTS.values() for word in words if min(word) > "⺀"]
 _SYMBOLS = {
     "time": _words("t T"),
     "displacement": _words("x s u d dl Δl ΔL δ"),
@@ -72,22 +76,25 @@ _ABOUT = _words(
     "rate speed velocity setpoint set command cmd commanded target demand reference planned max "
     "maximum min minimum peak break rupture yield std sd noise error limit count counter number index cycle cycles "
     "zyklus zyklen energy work stress modulus stiffness density adc shunt series "
-    "vitesse velocita velocidad consigne contrainte maximale massimo massima maximo maxima"
+    "vitesse velocita velocidad velocidade consigne contrainte maximale massimo massima maximo maxima snelheid "
+    "predkosc maksymalna maksymalne zadana zadane naprezenie"
 )
 _ABOUT_PARTS = _words(
     "geschwindigkeit soll zyklus bruch spannung maximal höchst "
-    "应力 速度 速率 循环 次数 最大 最小 设定 目标 编号 應力 循環 次數 設定 目標 編號"
+    "应力 速度 速率 循环 次数 最大 最小 设定 目标 编号 應力 循環 次數 設定 目標 編號 "
+    "応力 回数 番号 サイクル 破断 降伏 응력 속도 최대 최소 설정 목표 번호 횟수 사이클 파단 항복"
 )
 # Of an index behind R: the resistance at rest, or another one of the circuit, and not the one that is measured.
 _NOT_MEASURED = _words("0 o ref init initial rest shunt series load")
 # A strain that is not the nominal one along the sensor: of the length at the time, or across.
 _NOT_NOMINAL = _words("true log logarithmic hencky transverse lateral")
-_NOT_NOMINAL_PARTS = _words("quer wahre logarithm hencky 真 对数 對數 横向 橫向")
-_NOT_ALONE = _words("力矩 动力 動力 应力 應力")
+_NOT_NOMINAL_PARTS = _words("quer wahre logarithm hencky 真 对数 對數 横 橫向 진변형 횡변형")
+_NOT_ALONE = _words("力矩 动力 動力 应力 應力 圧力 压力 壓力 入力 出力")
 _GENERIC = re.compile(
     r"^(ch(annel)?|kanal|ai|analog(ue)?[ _]?in(put)?|sensor|signal|value|wert|column|spalte|y|通道)?[ _#.:-]*\d*$",
     re.I,
 )
+_STROKED = str.maketrans("łŁ", "lL")  # a letter of its own, not an accent
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[^\W\d_]+")
 
 CERTAIN, LIKELY, SYMBOL = 3, 2, 1
@@ -95,8 +102,12 @@ CERTAIN, LIKELY, SYMBOL = 3, 2, 1
 
 def words_of(name: str) -> list[str]:
     """The words of a name, lower case, without accents: ``axialForce_cell 2`` gives axial, force, cell."""
-    plain = "".join(sign for sign in unicodedata.normalize("NFD", name) if not unicodedata.combining(sign))
-    return [word.casefold() for word in _WORD.findall(plain)]
+    return [word.casefold() for word in _WORD.findall(_unaccented(name))]
+
+
+def _unaccented(text: str) -> str:
+    plain = "".join(sign for sign in unicodedata.normalize("NFD", text) if not unicodedata.combining(sign))
+    return plain.translate(_STROKED)
 
 
 def roles_of(base: str, whole: str) -> dict[str, int]:
@@ -115,12 +126,10 @@ def roles_of(base: str, whole: str) -> dict[str, int]:
     ratio = ratio_by_words(whole, words_of(whole))
     if ratio and not speaks_about(whole, ratio):
         return {ratio: LIKELY}
-    if speaks_about(whole):
-        return {}
     found: dict[str, int] = {}
     for role in _WHOLE:
         strength = max(_by_word(role, base, whole), _by_symbol(role, base))
-        if strength and not (role == "strain" and _is_not_nominal(whole)):
+        if strength and not speaks_about(whole, role) and not (role == "strain" and _is_not_nominal(whole)):
             found[role] = strength
     strongest = max(found.values(), default=0)
     return {role: strength for role, strength in found.items() if strength == strongest}
@@ -129,7 +138,7 @@ def roles_of(base: str, whole: str) -> dict[str, int]:
 def _by_word(role: str, base: str, whole: str) -> int:
     whole_words, parts = _WHOLE[role], _PARTS[role]
     plain = base.strip().casefold()
-    if plain in whole_words or plain in parts:
+    if _unaccented(plain) in whole_words or plain in parts:
         return CERTAIN
     words = words_of(whole)
     if any(word in whole_words for word in words):
@@ -162,9 +171,10 @@ def _letter_and_index(base: str) -> tuple[str, str]:
 def speaks_about(whole: str, role: str = "") -> bool:
     """Whether a name is of something derived: a rate, a set point, a maximum, a counter.
 
-    The change rate of a resistance (电阻变化率) is its relative change, no change in time.
+    The change rate of a resistance (电阻变化率) is its relative change, no change in time; and the time has no rate:
+    ``Time - default sample rate`` (catman) is one.
     """
-    words = [word for word in _ABOUT if word != "rate" or role != "relative_change"]
+    words = [word for word in _ABOUT if word != "rate" or role not in ("relative_change", "time")]
     return _has(whole, words, _ABOUT_PARTS)
 
 

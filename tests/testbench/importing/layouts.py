@@ -48,6 +48,7 @@ TITLES = ["Specimen 1", '"Specimen 1"', "Instron 5543, knit 3", "Prüfung: Gestr
 TITLES += ['"Remark: washed\ntwice"', '"Strip 2 wide', 'Strip 2" wide']  # line breaks and inches
 FORMS = ["{name} [{unit}]", "{name} ({unit})", "{name}({unit})", "{name} / {unit}", "{name}, {unit}", "{name}_{unit}"]
 FORMS += ["{name}\n({unit})", "{name} in {unit}", "# {name} [{unit}]"]
+FORMS += ["{name}_({unit})", "{name}_{unit}_", "{name}..{unit}."]  # as MATLAB and R make names of them
 
 
 @dataclass

@@ -96,3 +96,10 @@ def test_what_only_has_the_name_of_a_workbook_is_a_sentence(tmp_path, name):
     (tmp_path / name).write_text("t,x\n0,1\n")
     with pytest.raises(UserError, match=r"Excel|TDMS"):
         import_csv(tmp_path / name, Wish(40.0))
+
+
+def test_a_number_beside_texts_has_no_decimal_sign(tmp_path):
+    """Texts with a comma say nothing of the cells that hold numbers."""
+    path = written_workbook(tmp_path, [*(1.5 + n for n in range(30)), "45,25"])
+    found = import_csv(path, Wish(40.0)).recording
+    assert found["resistance_ohm"][[0, 29, 30]] == pytest.approx([1500, 30_500, 45_250])

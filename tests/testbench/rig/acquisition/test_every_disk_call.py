@@ -40,7 +40,7 @@ MORE = list(rig(duration_s=4.0).lines())[40:60]
 @pytest.fixture(autouse=True)
 def _by_hand(monkeypatch):
     """Syncs come between batches, not from a thread; a small room and a program that is played once."""
-    monkeypatch.setattr("testbench.campaigns.record.Syncer", Hand)
+    monkeypatch.setattr("testbench.campaigns.campaign.Syncer", Hand)
     monkeypatch.setattr("testbench.campaigns.record.ROOM_BYTES", 64)
     motion = triangle(30.0), 25.0
     monkeypatch.setattr("testbench.campaigns.record.played", lambda *_: motion)

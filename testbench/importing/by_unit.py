@@ -1,0 +1,52 @@
+"""The unit that a column was taken in: as a person said, else as the file says; what neither says is asked."""
+
+from __future__ import annotations
+
+from testbench.importing.choice import NAMED, UNIT_FLAGS, Choice, Said, Taken, Trouble
+from testbench.importing.layout import Column
+from testbench.importing.vocabulary.laboratory_units import Unit, given_unit, units_spelt
+from testbench.importing.vocabulary.roles import ROLES
+
+DATE = "date"
+
+
+def take(choice: Choice, role: str, column: Column, clock: Column | None, said: Said, when: set[int]) -> None:
+    """Settle the unit of a column."""
+    given = said.units.get(role)
+    if role == "time" and (given == DATE or (given is None and column.number in when)):
+        choice.taken[role] = Taken(role, column, None, "its dates")
+        return
+    from_file = _unit_in_file(role, column)
+    if given is not None:
+        unit = given_unit(UNIT_FLAGS[role], given, ROLES[role])
+        if column.unit_text and from_file != unit:
+            choice.notes.append(
+                f"{role}: {column.label} says {column.unit_text}, {UNIT_FLAGS[role]} says {unit.symbol}: "
+                f"{unit.symbol} was taken"
+            )
+        choice.taken[role] = Taken(role, column, unit, UNIT_FLAGS[role], clock)
+        return
+    if role == "displacement" and from_file is not None and from_file.quantity == "ratio":
+        role = "strain"
+    if from_file is None:
+        choice.troubles.append(Trouble("unit", role, (column,)))
+        where = ""
+    else:
+        where = column.unit_from or NAMED
+    choice.taken[role] = Taken(role, column, from_file, where, clock)
+    if role.startswith("relative") and not said.has_r0:
+        choice.troubles.append(Trouble("r0", role, (column,)))
+
+
+def _unit_in_file(role: str, column: Column) -> Unit | None:
+    """The unit that the file says, if it is one of the role's (for a displacement, % as well)."""
+    if role.startswith("relative") and not column.unit_text and _is_plainly_one(role, column):
+        return next(unit for unit in units_spelt("1") if unit.quantity == "ratio")
+    quantities = ("length", "ratio") if role == "displacement" else ROLES[role]
+    fitting = [unit for unit in units_spelt(column.unit_text) if unit.quantity in quantities]
+    return fitting[0] if len(fitting) == 1 else None
+
+
+def _is_plainly_one(role: str, column: Column) -> bool:
+    """Whether a ratio without a unit can be nothing but one: a "change of the resistance" may as well be in %."""
+    return column.heading.says_ratio or role not in column.heading.roles or role == "relative"

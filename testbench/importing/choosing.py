@@ -1,0 +1,120 @@
+"""Which column holds what: as a person said, else as the file says; what neither says is asked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+from gcode.support.errors import UserError
+from testbench.importing.by_name import prefer, searched
+from testbench.importing.by_unit import take
+from testbench.importing.choice import ELECTRICAL, NOT_THERE, Choice, Said, Trouble
+from testbench.importing.clocks import own_clocks
+from testbench.importing.layout import Column, Layout
+from testbench.importing.said import column_of
+from testbench.importing.vocabulary.notation import is_day, is_time_of_day, is_when
+from testbench.importing.vocabulary.roles import ROLES, STRETCH
+
+
+def choose(layout: Layout, rows: Sequence[Sequence[str]], said: Said) -> Choice:
+    """Find the columns.
+
+    Parameters
+    ----------
+    layout : Layout
+    rows : sequence of rows of cells
+        The top of the table.
+    said : Said
+
+    Raises
+    ------
+    UserError
+        If a column or unit that a person named is not there.
+    """
+    picked = {role: column_of(layout, text) for role, text in said.columns.items() if text != NOT_THERE}
+    choice = Choice()
+    found = searched(layout, said, picked)
+    times = found.get("time", [])
+    clocks = {role: column_of(layout, text) for role, text in said.clocks.items()}
+    for role, columns in found.items():
+        if len(columns) == 1:
+            picked[role] = columns[0]
+        elif role != "time":
+            choice.troubles.append(Trouble("several", role, tuple(columns)))
+    prefer(picked, choice, said)
+    if len(times) > 1:
+        clocks = _several_clocks(times, picked, choice, clocks)
+    when = _columns_of(layout, rows, is_when)
+    for role in ROLES:
+        if role in picked:
+            take(choice, role, picked[role], clocks.get(role), said, when)
+    _check_enough(choice, said)
+    choice.unused = _unused(choice, layout)
+    _join_days(choice, layout, rows)
+    return choice
+
+
+def _unused(choice: Choice, layout: Layout) -> tuple[Column, ...]:
+    used = {id(column) for one in choice.taken.values() for column in one.columns}
+    open_ones = {id(column) for trouble in choice.troubles for column in trouble.columns}
+    return tuple(column for column in layout.columns if id(column) not in used | open_ones)
+
+
+def _join_days(choice: Choice, layout: Layout, rows: Sequence[Sequence[str]]) -> None:
+    """Where the time is one of day, its days are in a column of dates beside it, if there is one.
+
+    Raises
+    ------
+    UserError
+        If there are several.
+    """
+    time = choice.taken.get("time")
+    if time is None or time.unit is not None:
+        return
+    clocks = _columns_of(layout, rows, is_time_of_day)
+    dates = _columns_of(layout, rows, is_day)
+    days = [column for column in choice.unused if column.number in dates]
+    if time.column.number not in clocks or not days:
+        return
+    if len(days) > 1:
+        labels = " and ".join(column.label for column in days)
+        raise UserError(
+            f"{time.column.label} has times of day, and {labels} have dates: which are its days cannot be told; "
+            "leave one of them in the file"
+        )
+    choice.taken["time"] = replace(time, days=days[0])
+    choice.unused = _unused(choice, layout)
+
+
+def _several_clocks(
+    times: Sequence[Column], picked: dict[str, Column], choice: Choice, said: Mapping[str, Column]
+) -> dict[str, Column]:
+    """Each channel's own time, by a person, names or places; the main one is the resistance's, or the force's."""
+    found = own_clocks(times, {role: column for role, column in picked.items() if role not in said})
+    if found is None:
+        choice.troubles.append(Trouble("several", "time", tuple(times)))
+        return dict(said)
+    clocks = {**found, **said}
+    main = next(role for role in (*ELECTRICAL, "force", *picked) if role in clocks)
+    picked["time"] = clocks[main]
+    return {role: clock for role, clock in clocks.items() if clock is not clocks[main]}
+
+
+def _columns_of(layout: Layout, rows: Sequence[Sequence[str]], kind: Callable[[str], bool]) -> set[int]:
+    """Numbers of the columns most of whose cells are of a kind, such as dates."""
+    body = rows[layout.first_row - 1 :]
+    found = set()
+    for column in layout.columns:
+        cells = [row[column.number - 1] for row in body if len(row) >= column.number and row[column.number - 1]]
+        if cells and sum(map(kind, cells)) > 0.5 * len(cells):
+            found.add(column.number)
+    return found
+
+
+def _check_enough(choice: Choice, said: Said) -> None:
+    """A recording needs a time, and a displacement or force and resistance."""
+    have = set(choice.taken) | {trouble.role for trouble in choice.troubles}
+    if "time" not in have and not said.has_rate:
+        choice.troubles.append(Trouble("absent", "time"))
+    if not have & STRETCH and not ("force" in have and have & set(ELECTRICAL)):
+        choice.troubles.append(Trouble("absent", "displacement"))
