@@ -68,7 +68,7 @@ def beside_of(studio: Studio, c: str, wanted: str) -> Beside:
             f"there is no second model {wanted!r} for {c}; the steps of its ladder and the fitted campaigns of its "
             f"gauge length are: {', '.join(known) or 'none'}"
         )
-    catalogue = studio.catalogue()
+    catalogue = studio.effects.catalogue()
     own = wanted in _steps(studio, c)
     path = models.model_path(studio, c if own else wanted)
     file = load_model_file(path, catalogue)

@@ -108,7 +108,7 @@ def add_command(studio: Studio, c: str, effect: str) -> tuple[str, list[str]]:
     """Put `effect` into the model of a campaign and refit."""
     model = str(model_path(studio, c))
     argv = ["testbench", "add", effect, "--model", model, "--fit", str(studio.workspace.campaign(c).folder)]
-    argv += same_held_out(studio, c) + studio.effects_arguments()
+    argv += same_held_out(studio, c) + studio.effects.arguments()
     return f"Adding {spoken(effect)} and refitting", [*argv, "-o", model]
 
 
@@ -127,7 +127,7 @@ def why_unusable(studio: Studio, c: str) -> str:
     from testbench.results.model_file import load_model_file
 
     try:
-        catalogue, history = studio.catalogue(), about_model(model_path(studio, c)).get("history") or ()
+        catalogue, history = studio.effects.catalogue(), about_model(model_path(studio, c)).get("history") or ()
         laws = {one["effect"] for step in history for one in step["model"]["effects"]}
         if gone := sorted(laws - set(catalogue.effects)):
             return f"The model of {c} needs what is not among the effects here: {listed(gone)}."
@@ -199,7 +199,7 @@ def adopt_diagnosed(studio: Studio, c: str, diagnosis: Mapping[str, Any]) -> Non
     from testbench.results.model_file import load_model_file
 
     refuse_while_asked(studio, c)
-    catalogue = studio.catalogue()
+    catalogue = studio.effects.catalogue()
     mine = load_model_file(model_path(studio, c), catalogue)
     found = load_model_file(diagnosed_path(studio, c), catalogue)
     same_answer = list(found.history) == list(diagnosis.get("history") or [])
@@ -249,7 +249,7 @@ def add_laws(
 def undo_command(studio: Studio, c: str) -> tuple[str, list[str]]:
     """Take the last step of the ladder back."""
     model = str(model_path(studio, c))
-    argv = ["testbench", "add", "--undo", "--model", model, *studio.effects_arguments()]
+    argv = ["testbench", "add", "--undo", "--model", model, *studio.effects.arguments()]
     return "Taking the last step back", [*argv, "-o", model]
 
 

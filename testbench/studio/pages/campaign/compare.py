@@ -163,7 +163,7 @@ def view_of(studio: Studio, c: str, on: str, beside: str = "") -> View:
     """
     recording = studio.workspace.campaign(on).folder / CSV
     second = beside_of(studio, c, beside) if beside else None
-    files = stamp(model_path(studio, c), recording, studio.effects_file, second.path if second else None)
+    files = stamp(model_path(studio, c), recording, studio.effects.file, second.path if second else None)
     return studio.memory.recall(("compare", c, on, beside, files), lambda: _compare(studio, c, on, second))
 
 
@@ -174,7 +174,7 @@ def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
     from testbench.report.overlays import as_read, failings_of, overlay_of
     from testbench.results.model_file import load_model_file
 
-    catalogue, path = studio.catalogue(), model_path(studio, c)
+    catalogue, path = studio.effects.catalogue(), model_path(studio, c)
     file = load_model_file(path, catalogue)
     found = compare(studio.workspace.recording(on), path, effects=catalogue)
     judged, measurement = found.judged, found.measurement
