@@ -101,7 +101,7 @@ def ladder_section(steps: Sequence[Step], zero: str = "") -> Section:
         for step in steps
     ]
     floor = ", ".join(
-        f"{channel} {plain(value, 2)} {PANEL_UNITS[channel]}" for channel, value in steps[-1].noise_floor.items()
+        f"{channel} {words.with_unit(value, channel, 2)}" for channel, value in steps[-1].noise_floor.items()
     )
     return Section(
         "The error ladder",

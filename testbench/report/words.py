@@ -13,6 +13,11 @@ from testbench.measurements.responses import UNIT_OF
 PANEL_UNITS = {**UNIT_OF, "resistance": "kΩ"}  # of an axis or a table, by what it shows
 
 
+def with_unit(value: float, channel: str, digits: int = 3) -> str:
+    """``0.0741 N``: an error in the unit of its channel."""
+    return f"{plain(value, digits)} {PANEL_UNITS[channel]}"
+
+
 def duration_in_words(duration_s: float) -> str:
     """``23.0 min``; below a minute in seconds."""
     return f"{duration_s:.3g} s" if duration_s < 60 else f"{duration_s / 60:.1f} min"
@@ -118,7 +123,7 @@ def ladder_notes(steps: Iterable[str]) -> list[str]:
 def error_fall(before: Mapping[str, float], after: Mapping[str, float]) -> str:
     """How the held-out error changes, channel by channel."""
     shown = [channel for channel in before if channel in after]
-    falls = [f"from {plain(before[channel])} to {plain(after[channel])} {PANEL_UNITS[channel]}" for channel in shown]
+    falls = [f"from {plain(before[channel])} to {with_unit(after[channel], channel)}" for channel in shown]
     parts = [f"that of the {channel} {fall}" for channel, fall in zip(shown[1:], falls[1:], strict=True)]
     return ", ".join([f"the held-out error of the {shown[0]} goes {falls[0]}", *parts])
 

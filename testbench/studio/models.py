@@ -93,6 +93,16 @@ def held_out_arguments(studio: Studio, held: str) -> list[str]:
     return [] if held == LAST_THIRD else ["--held-out", str(studio.workspace.campaign(held).folder)]
 
 
+def history_of(studio: Studio, c: str) -> Steps:
+    """The steps of the ladder of a campaign, the first model first."""
+    return list(about_model(model_path(studio, c)).get("history") or ())
+
+
+def same_arguments(studio: Studio, c: str) -> list[str]:
+    """What a question about the model of `c` is asked with: the model, what it is judged on, the own effects."""
+    return ["--model", str(model_path(studio, c)), *same_held_out(studio, c), *studio.effects.arguments()]
+
+
 def same_held_out(studio: Studio, c: str) -> list[str]:
     """The `held_out_arguments` of a step that is judged on the same as the model of `c`."""
     return held_out_arguments(studio, held_out_of(studio, c))
@@ -106,10 +116,8 @@ def held_out_recording(studio: Studio, c: str) -> Recording | None:
 
 def add_command(studio: Studio, c: str, effect: str) -> tuple[str, list[str]]:
     """Put `effect` into the model of a campaign and refit."""
-    model = str(model_path(studio, c))
-    argv = ["testbench", "add", effect, "--model", model, "--fit", str(studio.workspace.campaign(c).folder)]
-    argv += same_held_out(studio, c) + studio.effects.arguments()
-    return f"Adding {spoken(effect)} and refitting", [*argv, "-o", model]
+    argv = ["testbench", "add", effect, "--fit", str(studio.workspace.campaign(c).folder), *same_arguments(studio, c)]
+    return f"Adding {spoken(effect)} and refitting", [*argv, "-o", str(model_path(studio, c))]
 
 
 def diagnosed_path(studio: Studio, c: str) -> Path:
@@ -119,7 +127,7 @@ def diagnosed_path(studio: Studio, c: str) -> Path:
 
 def laws_in(studio: Studio, c: str) -> set[str]:
     """The laws that the model of a campaign has, by their names in the catalogue."""
-    return {one["effect"] for one in about_model(model_path(studio, c))["history"][-1]["model"]["effects"]}
+    return {one["effect"] for one in history_of(studio, c)[-1]["model"]["effects"]}
 
 
 def why_unusable(studio: Studio, c: str) -> str:
@@ -127,8 +135,8 @@ def why_unusable(studio: Studio, c: str) -> str:
     from testbench.results.model_file import load_model_file
 
     try:
-        catalogue, history = studio.effects.catalogue(), about_model(model_path(studio, c)).get("history") or ()
-        laws = {one["effect"] for step in history for one in step["model"]["effects"]}
+        catalogue = studio.effects.catalogue()
+        laws = {one["effect"] for step in history_of(studio, c) for one in step["model"]["effects"]}
         if gone := sorted(laws - set(catalogue.effects)):
             return f"The model of {c} needs what is not among the effects here: {listed(gone)}."
         held_out_of(studio, c)
@@ -154,8 +162,7 @@ def kept_diagnoses(studio: Studio, c: str) -> dict[int, Path]:
     """The diagnoses that led to the steps of the ladder as it is now, by the number of the first step."""
     if not has_model(studio, c):
         return {}
-    history = about_model(model_path(studio, c)).get("history") or []
-    found = {}
+    history, found = history_of(studio, c), {}
     for step in range(1, len(history)):
         path = step_diagnosis(studio, c, step)
         told = {"after": history[step - 1], "led_to": history[step]["step"]}
@@ -241,8 +248,8 @@ def add_laws(
     wanted = check_is_lacking(studio, c, laws)
     refuse_while_asked(studio, c)
     if is_fresh(studio, c, diagnosis) and not studio.jobs.under_way(f"model:{c}"):
-        before = about_model(model_path(studio, c))["history"]
-        keep_diagnosis(studio, c, diagnosis, before, f"+ {wanted[0]}")  # shown once there is such a step
+        # It is shown once there is such a step.
+        keep_diagnosis(studio, c, diagnosis, history_of(studio, c), f"+ {wanted[0]}")
     change_model(studio, c, [add_command(studio, c, law) for law in wanted], holder, done)
 
 

@@ -153,8 +153,7 @@ def propose_command(studio: Studio, c: str, name: str, most: int) -> tuple[str, 
     shutil.rmtree(folder, ignore_errors=True)
     make_folder(folder)
     argv = ["testbench", "propose", str(studio.workspace.campaign(c).folder)]
-    argv += models.same_held_out(studio, c)
-    argv += ["--model", str(models.model_path(studio, c)), *studio.effects.arguments(), "--laws", str(most)]
+    argv += [*models.same_arguments(studio, c), "--laws", str(most)]
     argv += ["--json", str(folder / JSON), "--save-model", str(folder / MODEL), "-o", str(folder / f"{name}.py")]
     return f"Looking for a law that {c} lacks", argv
 
@@ -209,7 +208,7 @@ def _adopt(studio: Studio, c: str, kept: Kept) -> None:
     from testbench.results.model_file import load_model_file
 
     found = load_model_file(kept.folder / MODEL, studio.effects.catalogue())
-    before = about_model(models.model_path(studio, c))["history"]
+    before = models.history_of(studio, c)
     diagnosis = read_diagnosis(models.diagnosis_path(studio, c)) if models.is_fresh(studio, c) else None
     found.save(models.model_path(studio, c))
     code = shlex.quote(str(kept.folder / f"{kept.found.laws[0].effect}.py"))

@@ -43,7 +43,7 @@ class LiveChannel:
 def live(channels: Sequence[LiveChannel]) -> style.Figure:
     """Rows of channels; a limit shows as a dashed line."""
     traces: list[dict[str, Any]] = []
-    axes: dict[str, Any] = {} if channels else {"xaxis": {"visible": False}, "yaxis": {"visible": False}}
+    axes: dict[str, Any] = {}
     shapes: list[dict[str, Any]] = []
     for row, (channel, domain) in enumerate(zip(channels, style.rows(len(channels), 0.06), strict=True)):
         for side in (0, 1):

@@ -56,9 +56,10 @@ class Live:
         self.news = ui.label().classes("trouble").props("role=alert")
         self.news.set_visibility(False)
         self.end = ui.column().classes("w-full")
-        self.plot = plot(
-            live([]), CAPTION + (BESIDE if any(word.startswith("--compensator=") for word in job.argv) else "")
-        )
+        beside = BESIDE if any(word.startswith("--compensator=") for word in job.argv) else ""
+        with ui.column().classes("w-full") as self.below:
+            self.plot = plot(live([]), CAPTION + beside)
+        self.below.set_visibility(False)  # until there is a sample
         self.timer = ui.timer(REFRESH_S, self._look)
 
     async def _stop(self) -> None:
@@ -82,6 +83,7 @@ class Live:
         said = str(self.job.latest.get("message") or "")
         self.news.set_text(said)
         self.news.set_visibility(bool(said) and not over)
+        self.below.set_visibility(self.follower.envelope is not None)
         if self.due and self.plot.follow(live(self._channels())):
             self.due = False
         if over:

@@ -13,7 +13,6 @@ import tests.testbench.report.samples as samples
 from testbench.comparing.numbers import allowed, plain, span, with_error
 from testbench.knit.catalogue import baseline
 from testbench.report.downsample import liveliest
-from testbench.report.figures.live_figures import live
 from testbench.report.parameter_table import name_without_unit, parameter_table
 from testbench.report.words import odds_in_words
 from testbench.report.worst_places import LOOK_S, LOOK_SAMPLES, beyond_noise, spots
@@ -149,9 +148,3 @@ def test_evidence_is_said_as_odds_and_a_parameter_without_its_unit() -> None:
         "more than a million to one",
     ]
     assert [name_without_unit(key) for key in ("tau_s", "fraction", "gain_N")] == ["tau", "fraction", "gain"]
-
-
-def test_a_recording_without_a_sample_has_no_axes() -> None:
-    layout = live([])["layout"]
-    assert not layout["xaxis"]["visible"]
-    assert not layout["yaxis"]["visible"]

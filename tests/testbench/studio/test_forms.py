@@ -17,6 +17,7 @@ from testbench.commands.record import add_arguments
 from testbench.studio.jobs.job import Job, State
 from testbench.studio.pages import record
 from testbench.studio.parts.address import address
+from testbench.studio.parts.picture import Picture
 from testbench.studio.parts.running_jobs import place_of
 from testbench.studio.studio import KEY_RECORDING, KEY_RIG, Studio
 from tests.testbench.importing import exports
@@ -245,6 +246,7 @@ async def test_a_recorder_that_did_not_begin_promises_nothing_and_leads_back(use
     await user.should_not_see("Every sample up to that moment is on disk")
     await user.should_see("Record another", retries=50)
     await user.should_see("nothing was recorded")
+    await user.should_not_see(kind=Picture)
     assert rig.state is State.CANCELLED
     user.find("Record another").click()
     await user.should_see("No program yet", retries=50)

@@ -11,7 +11,6 @@ from urllib.parse import quote
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.comparing.numbers import plain
 from testbench.comparing.words import spoken
 from testbench.report.figures import diagnosis_figures
 from testbench.report.figures import ladder_figures as figures
@@ -19,7 +18,7 @@ from testbench.report.figures.comparison_figures import busiest_window
 from testbench.report.parameter_table import parameter_table
 from testbench.report.provenance import moment
 from testbench.report.sections import fall_in_words
-from testbench.report.words import PANEL_UNITS, ladder_notes, verdict_in_words
+from testbench.report.words import ladder_notes, verdict_in_words, with_unit
 from testbench.results.model_file import ModelFile
 from testbench.results.result_files import read_diagnosis
 from testbench.studio import models
@@ -127,10 +126,7 @@ class _Ladder:
     def _tell(self, step: int) -> None:
         chosen = self.steps[step]
         pairs = [("this step" if step else "the first model", spoken(chosen.label))]
-        pairs += [
-            (f"held-out {channel}", f"{plain(error)} {PANEL_UNITS[channel]}")
-            for channel, error in chosen.errors.items()
-        ]
+        pairs += [(f"held-out {channel}", with_unit(error, channel)) for channel, error in chosen.errors.items()]
         pairs += [
             (f"the noise floor of the {channel}", f"{times:.1f} times")
             for channel, times in self.over_noise[step].items()
@@ -197,8 +193,7 @@ class _Ladder:
     def _report(self, holder: ui.column) -> None:
         output = self.studio.workspace.results(self.c) / REPORT
         argv = ["testbench", "report", "--recording", str(self.studio.workspace.campaign(self.c).folder)]
-        argv += models.same_held_out(self.studio, self.c)
-        argv += ["--model", str(models.model_path(self.studio, self.c)), *self.studio.effects.arguments()]
+        argv += models.same_arguments(self.studio, self.c)
         for path in models.kept_diagnoses(self.studio, self.c).values():
             argv += ["--diagnosis", str(path)]
         if models.is_fresh(self.studio, self.c):

@@ -70,9 +70,8 @@ def _ask(studio: Studio, c: str, known: bool) -> None:
 
     def start() -> None:
         argv = ["testbench", "diagnose", str(studio.workspace.campaign(c).folder)]
-        argv += ["--model", str(models.model_path(studio, c)), *studio.effects.arguments()]
-        argv += models.same_held_out(studio, c)
-        argv += ["--json", str(models.diagnosis_path(studio, c)), "-o", str(models.diagnosed_path(studio, c))]
+        argv += [*models.same_arguments(studio, c), "--json", str(models.diagnosis_path(studio, c))]
+        argv += ["-o", str(models.diagnosed_path(studio, c))]
         command = (f"Looking for what is missing in {c}", argv)
         run_in_turn(studio, key, [command], holder, ui.navigate.reload)
 

@@ -192,7 +192,7 @@ async def test_somebody_elses_effects_are_not_run_unasked(user: User, studio: St
     studio.effects.catalogue()
     await user.open("/recording?c=sleeve")
     await user.should_see("have not been run")
-    await user.should_see("How often each value occurred")
+    await user.should_see("How often each value occurred", retries=50)
     assert not ran.exists()
     user.find("Run it").click()
     await asyncio.sleep(0.1)
