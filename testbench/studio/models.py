@@ -179,9 +179,14 @@ def is_fresh(studio: Studio, c: str, diagnosis: Mapping[str, Any] | None = None)
         if not diagnosis_path(studio, c).is_file():
             return False
         diagnosis = read_diagnosis(diagnosis_path(studio, c))
-    mine = about_model(model_path(studio, c))
-    begun, steps = list(diagnosis.get("history") or ()), list(mine.get("history") or ())
-    return bool(begun and steps) and made_of(begun[0], steps[-1], undone=not mine.get("fit"))
+    begun = diagnosis.get("history") or ()
+    return bool(begun) and is_last(studio, c, begun[0])
+
+
+def is_last(studio: Studio, c: str, begun: Mapping[str, Any]) -> bool:
+    """Whether the step that a question began with is the last one of the ladder of a campaign."""
+    mine, steps = about_model(model_path(studio, c)), history_of(studio, c)
+    return bool(steps) and made_of(begun, steps[-1], undone=not mine.get("fit"))
 
 
 def refuse_while_asked(studio: Studio, c: str) -> None:

@@ -20,17 +20,7 @@ MOST_BYTES = 1 << 20
 
 
 class OwnEffects:
-    """The file of own effects that a workspace uses.
-
-    Parameters
-    ----------
-    workspace : Workspace
-
-    Attributes
-    ----------
-    here : Path
-        That of the workspace itself.
-    """
+    """The file of own effects that a workspace uses: its own, `here`, or another that it points to."""
 
     def __init__(self, workspace: Workspace) -> None:
         self.here, self._workspace = workspace.root / FILE, workspace
