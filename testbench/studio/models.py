@@ -179,7 +179,7 @@ def is_fresh(studio: Studio, c: str, diagnosis: Mapping[str, Any] | None = None)
         if not diagnosis_path(studio, c).is_file():
             return False
         diagnosis = read_diagnosis(diagnosis_path(studio, c))
-    begun = diagnosis.get("history") or ()
+    begun = list(diagnosis.get("history") or ())
     return bool(begun) and is_last(studio, c, begun[0])
 
 
