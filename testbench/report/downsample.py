@@ -32,11 +32,12 @@ def thinned(count: int, points: int) -> NDArray[np.intp]:
     return np.linspace(0, count - 1, points).round().astype(np.intp)
 
 
-def liveliest(energy: FloatArray, width: int) -> slice:
-    """The `width` rows in a row that hold most of `energy`, shape (n,); the first of those that hold as much."""
+def liveliest(time_s: FloatArray, energy: FloatArray, length_s: float, least: int = 2) -> tuple[float, float]:
+    """The stretch of `length_s`, of at least so many samples, that holds most of `energy`, shape (n,); the first."""
+    width = min(len(time_s), max(round(length_s / float(np.median(np.diff(time_s)))), least))
     sums = np.concatenate([[0.0], np.cumsum(energy)])
     start = int(np.argmax(sums[width:] - sums[:-width]))
-    return slice(start, start + width)
+    return float(time_s[start]), float(time_s[start + width - 1])
 
 
 def window(time_s: FloatArray, start_s: float | None, end_s: float | None) -> slice:

@@ -2,9 +2,10 @@
 const NARROW_PX = 560, PANEL_PX = 230, GAP_PX = 58;
 
 window.forNarrow = ({ data, layout }, width) => {
-  const panels = width < NARROW_PX ? panelsOf(layout) : [];
+  const narrow = width < NARROW_PX;
+  const panels = narrow ? panelsOf(layout) : [];
   const columns = new Set(panels.map((panel) => panel.left.toFixed(2)));
-  const margin = width < NARROW_PX ? narrowMargin({ data, layout }, width) : {};
+  const margin = narrow || matchMedia("(hover: none)").matches ? roomFor({ data, layout }, width, narrow) : {};
   if (columns.size < 2) return { data, layout: taller(layout, margin) };
   panels.sort((one, other) => other.top - one.top || one.left - other.left);
   const inner = panels.length * PANEL_PX + (panels.length - 1) * GAP_PX;
@@ -46,8 +47,9 @@ const panelsOf = (layout) =>
 
 // Its tools always stand on a screen that is touched: they get a row of their own, and so does each line of the legend.
 const TOOLS_PX = 44, LINE_PX = 20, SIGN_PX = 46, LETTER_PX = 7;
-const narrowMargin = ({ data, layout }, width) => {
-  const [left, right] = [Math.min(layout.margin?.l ?? 64, 120), Math.min(layout.margin?.r ?? 20, 110)];
+const roomFor = ({ data, layout }, width, narrow) => {
+  const [most, mostRight] = narrow ? [120, 110] : [Infinity, Infinity];
+  const [left, right] = [Math.min(layout.margin?.l ?? 64, most), Math.min(layout.margin?.r ?? 20, mostRight)];
   const top = TOOLS_PX + LINE_PX * legendLines({ data, layout }, width - left - right);
   return { margin: { ...layout.margin, t: Math.max(layout.margin?.t ?? 0, top), l: left, r: right } };
 };

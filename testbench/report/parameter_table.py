@@ -60,7 +60,12 @@ def is_held(value: float, error: float) -> bool:
 def parameter_name(address: str) -> str:
     """``stress_relaxation.tau_s`` as words: the unit stands with the value."""
     effect, _, key = address.partition(".")
-    return f"{spoken(effect)}: {spoken(UNIT_TAIL.sub('', key))}"
+    return f"{spoken(effect)}: {name_without_unit(key)}"
+
+
+def name_without_unit(key: str) -> str:
+    """``tau_s`` as a word."""
+    return spoken(UNIT_TAIL.sub("", key))
 
 
 def doubts(address: str, fit: Mapping[str, Any]) -> list[str]:

@@ -101,7 +101,7 @@ def ladder_section(steps: Sequence[Step], zero: str = "") -> Section:
         for step in steps
     ]
     floor = ", ".join(
-        f"{channel} {plain(value, 2)} {PANEL_UNITS[channel]}" for channel, value in steps[-1].noise_floor.items()
+        f"{channel} {words.with_unit(value, channel, 2)}" for channel, value in steps[-1].noise_floor.items()
     )
     return Section(
         "The error ladder",
@@ -213,7 +213,7 @@ def candidates_table(diagnosis: Mapping[str, Any]) -> Table:
     for number, entry in enumerate(diagnosis["ranking"][: diagnosis_figures.SHOWN], 1):
         probability = words.probability_of(diagnosis, entry["effect"])
         chance = ("" if probability is None else words.percent(probability),) if told else ()
-        left = words.error_left(entry) or "not worth a refit"
+        left = words.error_left(entry) or words.NOT_REFITTED
         law = words.spoken(entry["law"]) if entry["law"] != entry["effect"] else ""
         name = words.spoken(entry["effect"])
         rows.append((str(number), name, *chance, left, words.error_left_between(entry), law))

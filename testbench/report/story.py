@@ -8,7 +8,6 @@ from typing import Any
 
 from testbench.comparing.compare import compare
 from testbench.comparing.judged import held_samples
-from testbench.comparing.numbers import plain
 from testbench.comparing.remounting import remounted
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.measurements.measurement import Measurement
@@ -27,7 +26,7 @@ from testbench.report.overlays import (
     zero_in_words,
 )
 from testbench.report.parameter_table import parameter_table
-from testbench.report.words import PANEL_UNITS
+from testbench.report.words import with_unit
 from testbench.results.model_file import ModelFile, check_same_set_up
 
 GLANCE_S = 60.0
@@ -153,7 +152,7 @@ def glance_facts(steps: Sequence[Step]) -> list[tuple[str, str]]:
     last = steps[-1]
     pairs = []
     for channel, error in last.errors.items():
-        pairs.append((f"held-out error of the {channel}", f"{plain(error)} {PANEL_UNITS[channel]}"))
+        pairs.append((f"held-out error of the {channel}", with_unit(error, channel)))
         floor = last.noise_floor.get(channel, 0.0)
         if len(steps) > 1 and steps[0].errors[channel] > 0:
             pairs.append(("against the first model", f"{100 * (error / steps[0].errors[channel] - 1):+.0f} %"))

@@ -13,6 +13,11 @@ from testbench.measurements.responses import UNIT_OF
 PANEL_UNITS = {**UNIT_OF, "resistance": "kΩ"}  # of an axis or a table, by what it shows
 
 
+def with_unit(value: float, channel: str, digits: int = 3) -> str:
+    """``0.0741 N``: an error in the unit of its channel."""
+    return f"{plain(value, digits)} {PANEL_UNITS[channel]}"
+
+
 def duration_in_words(duration_s: float) -> str:
     """``23.0 min``; below a minute in seconds."""
     return f"{duration_s:.3g} s" if duration_s < 60 else f"{duration_s / 60:.1f} min"
@@ -85,10 +90,13 @@ def probability_of(diagnosis: Mapping[str, Any], effect: str) -> float | None:
 def error_left(entry: Mapping[str, Any]) -> str:
     """``14 %``: what a refit with this effect leaves of the error on samples that no fit has seen.
 
-    The one number of an effect, as `testbench diagnose` prints it; empty where it was not worth a refit.
+    The one number of an effect, as `testbench diagnose` prints it; empty where it was not refitted.
     """
     gains = entry.get("held_out_gain")
     return f"{percent_left(gains[0]):.0f} %" if gains else ""
+
+
+NOT_REFITTED = "not refitted: it would hardly lower the error"
 
 
 def error_left_between(entry: Mapping[str, Any]) -> str:
@@ -115,7 +123,7 @@ def ladder_notes(steps: Iterable[str]) -> list[str]:
 def error_fall(before: Mapping[str, float], after: Mapping[str, float]) -> str:
     """How the held-out error changes, channel by channel."""
     shown = [channel for channel in before if channel in after]
-    falls = [f"from {plain(before[channel])} to {plain(after[channel])} {PANEL_UNITS[channel]}" for channel in shown]
+    falls = [f"from {plain(before[channel])} to {with_unit(after[channel], channel)}" for channel in shown]
     parts = [f"that of the {channel} {fall}" for channel, fall in zip(shown[1:], falls[1:], strict=True)]
     return ", ".join([f"the held-out error of the {shown[0]} goes {falls[0]}", *parts])
 
@@ -142,14 +150,17 @@ def experiment_in_words(found: Mapping[str, Any]) -> str:
     rivals = " from ".join(spoken(rival) for rival in found["rivals"])
     if best["grade"] == "cannot tell":
         return f"No motion within these limits tells {rivals}. Allow more strain, more speed or more time."
-    odds = math.exp(min(best["log_odds"], MANY))
-    against = "more than a million" if best["log_odds"] > MANY else f"{odds:.2g}"
     minutes = best["duration_s"] / 60
     grade = {"decisive": "decisively", "strong": "with strong evidence", "a hint": "with no more than a hint"}
     return (
         f"Run “{name}” for {minutes:.0f} min: the {best['channel']} will tell {rivals} {grade[best['grade']]}, "
-        f"with expected odds of {against} to one."
+        f"with expected odds of {odds_in_words(best['log_odds'])}."
     )
+
+
+def odds_in_words(log_odds: float) -> str:
+    """``12 to one``, of the natural logarithm of odds (a log evidence in nats)."""
+    return f"{'more than a million' if log_odds > MANY else plain(math.exp(log_odds), 2)} to one"
 
 
 def clocks_in_words(delay_s: float, drift_ppm: float, duration_s: float) -> str:

@@ -65,7 +65,8 @@ def spots(
     for place in beyond_noise(comparison):
         inside = counts & in_cell(place, where)
         energy = np.where(inside, residual[place["channel"]] ** 2, 0.0)
-        found.append(Spot(place["words"], place["share_of_error"], busiest(time_s, energy)))
+        span_s = liveliest(time_s, energy, LOOK_S, LOOK_SAMPLES)
+        found.append(Spot(place["words"], place["share_of_error"], span_s))
     return found
 
 
@@ -74,14 +75,6 @@ def in_cell(place: Mapping[str, Any], where: Mapping[str, FloatArray]) -> NDArra
     cell, values = place["cell"], where[place["coordinate"]]
     inside = (values >= cell["low"]) & (values <= cell["high"])
     return inside & (where["direction"] == cell["direction"]) if cell["direction"] else inside
-
-
-def busiest(time_s: FloatArray, energy: FloatArray) -> tuple[float, float]:
-    """The stretch of `LOOK_S` (or of `LOOK_SAMPLES`) that holds most of `energy`."""
-    step_s = float(np.median(np.diff(time_s)))
-    width = min(len(time_s), max(round(LOOK_S / step_s), LOOK_SAMPLES))
-    shown = time_s[liveliest(energy, width)]
-    return float(shown[0]), float(shown[-1])
 
 
 def why_no_place(channels: Mapping[str, Mapping[str, Any]]) -> str:

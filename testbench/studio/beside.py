@@ -14,7 +14,7 @@ from testbench.knit.catalogue import model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.report.document import Table
 from testbench.report.parameter_table import doubts, parameter_name
-from testbench.results.model_file import about_model, load_model_file
+from testbench.results.model_file import load_model_file
 from testbench.studio import models
 from testbench.studio.studio import Studio
 
@@ -50,8 +50,8 @@ def beside_choices(studio: Studio, c: str) -> dict[str, str]:
 
 
 def _steps(studio: Studio, c: str) -> dict[str, str]:
-    history = about_model(models.model_path(studio, c)).get("history", [])
-    return {str(number): f"step {number}: {spoken(step['step'])}" for number, step in enumerate(history[:-1])}
+    earlier = models.history_of(studio, c)[:-1]
+    return {str(number): f"step {number}: {spoken(step['step'])}" for number, step in enumerate(earlier)}
 
 
 def beside_of(studio: Studio, c: str, wanted: str) -> Beside:
@@ -68,7 +68,7 @@ def beside_of(studio: Studio, c: str, wanted: str) -> Beside:
             f"there is no second model {wanted!r} for {c}; the steps of its ladder and the fitted campaigns of its "
             f"gauge length are: {', '.join(known) or 'none'}"
         )
-    catalogue = studio.catalogue()
+    catalogue = studio.effects.catalogue()
     own = wanted in _steps(studio, c)
     path = models.model_path(studio, c if own else wanted)
     file = load_model_file(path, catalogue)

@@ -93,6 +93,16 @@ def held_out_arguments(studio: Studio, held: str) -> list[str]:
     return [] if held == LAST_THIRD else ["--held-out", str(studio.workspace.campaign(held).folder)]
 
 
+def history_of(studio: Studio, c: str) -> Steps:
+    """The steps of the ladder of a campaign, the first model first."""
+    return list(about_model(model_path(studio, c)).get("history") or ())
+
+
+def same_arguments(studio: Studio, c: str) -> list[str]:
+    """What a question about the model of `c` is asked with: the model, what it is judged on, the own effects."""
+    return ["--model", str(model_path(studio, c)), *same_held_out(studio, c), *studio.effects.arguments()]
+
+
 def same_held_out(studio: Studio, c: str) -> list[str]:
     """The `held_out_arguments` of a step that is judged on the same as the model of `c`."""
     return held_out_arguments(studio, held_out_of(studio, c))
@@ -106,10 +116,8 @@ def held_out_recording(studio: Studio, c: str) -> Recording | None:
 
 def add_command(studio: Studio, c: str, effect: str) -> tuple[str, list[str]]:
     """Put `effect` into the model of a campaign and refit."""
-    model = str(model_path(studio, c))
-    argv = ["testbench", "add", effect, "--model", model, "--fit", str(studio.workspace.campaign(c).folder)]
-    argv += same_held_out(studio, c) + studio.effects_arguments()
-    return f"Adding {spoken(effect)} and refitting", [*argv, "-o", model]
+    argv = ["testbench", "add", effect, "--fit", str(studio.workspace.campaign(c).folder), *same_arguments(studio, c)]
+    return f"Adding {spoken(effect)} and refitting", [*argv, "-o", str(model_path(studio, c))]
 
 
 def diagnosed_path(studio: Studio, c: str) -> Path:
@@ -119,7 +127,7 @@ def diagnosed_path(studio: Studio, c: str) -> Path:
 
 def laws_in(studio: Studio, c: str) -> set[str]:
     """The laws that the model of a campaign has, by their names in the catalogue."""
-    return {one["effect"] for one in about_model(model_path(studio, c))["history"][-1]["model"]["effects"]}
+    return {one["effect"] for one in history_of(studio, c)[-1]["model"]["effects"]}
 
 
 def why_unusable(studio: Studio, c: str) -> str:
@@ -127,8 +135,8 @@ def why_unusable(studio: Studio, c: str) -> str:
     from testbench.results.model_file import load_model_file
 
     try:
-        catalogue, history = studio.catalogue(), about_model(model_path(studio, c)).get("history") or ()
-        laws = {one["effect"] for step in history for one in step["model"]["effects"]}
+        catalogue = studio.effects.catalogue()
+        laws = {one["effect"] for step in history_of(studio, c) for one in step["model"]["effects"]}
         if gone := sorted(laws - set(catalogue.effects)):
             return f"The model of {c} needs what is not among the effects here: {listed(gone)}."
         held_out_of(studio, c)
@@ -154,8 +162,7 @@ def kept_diagnoses(studio: Studio, c: str) -> dict[int, Path]:
     """The diagnoses that led to the steps of the ladder as it is now, by the number of the first step."""
     if not has_model(studio, c):
         return {}
-    history = about_model(model_path(studio, c)).get("history") or []
-    found = {}
+    history, found = history_of(studio, c), {}
     for step in range(1, len(history)):
         path = step_diagnosis(studio, c, step)
         told = {"after": history[step - 1], "led_to": history[step]["step"]}
@@ -172,9 +179,14 @@ def is_fresh(studio: Studio, c: str, diagnosis: Mapping[str, Any] | None = None)
         if not diagnosis_path(studio, c).is_file():
             return False
         diagnosis = read_diagnosis(diagnosis_path(studio, c))
-    mine = about_model(model_path(studio, c))
-    begun, steps = list(diagnosis.get("history") or ()), list(mine.get("history") or ())
-    return bool(begun and steps) and made_of(begun[0], steps[-1], undone=not mine.get("fit"))
+    begun = list(diagnosis.get("history") or ())
+    return bool(begun) and is_last(studio, c, begun[0])
+
+
+def is_last(studio: Studio, c: str, begun: Mapping[str, Any]) -> bool:
+    """Whether the step that a question began with is the last one of the ladder of a campaign."""
+    mine, steps = about_model(model_path(studio, c)), history_of(studio, c)
+    return bool(steps) and made_of(begun, steps[-1], undone=not mine.get("fit"))
 
 
 def refuse_while_asked(studio: Studio, c: str) -> None:
@@ -199,7 +211,7 @@ def adopt_diagnosed(studio: Studio, c: str, diagnosis: Mapping[str, Any]) -> Non
     from testbench.results.model_file import load_model_file
 
     refuse_while_asked(studio, c)
-    catalogue = studio.catalogue()
+    catalogue = studio.effects.catalogue()
     mine = load_model_file(model_path(studio, c), catalogue)
     found = load_model_file(diagnosed_path(studio, c), catalogue)
     same_answer = list(found.history) == list(diagnosis.get("history") or [])
@@ -241,15 +253,15 @@ def add_laws(
     wanted = check_is_lacking(studio, c, laws)
     refuse_while_asked(studio, c)
     if is_fresh(studio, c, diagnosis) and not studio.jobs.under_way(f"model:{c}"):
-        before = about_model(model_path(studio, c))["history"]
-        keep_diagnosis(studio, c, diagnosis, before, f"+ {wanted[0]}")  # shown once there is such a step
+        # It is shown once there is such a step.
+        keep_diagnosis(studio, c, diagnosis, history_of(studio, c), f"+ {wanted[0]}")
     change_model(studio, c, [add_command(studio, c, law) for law in wanted], holder, done)
 
 
 def undo_command(studio: Studio, c: str) -> tuple[str, list[str]]:
     """Take the last step of the ladder back."""
     model = str(model_path(studio, c))
-    argv = ["testbench", "add", "--undo", "--model", model, *studio.effects_arguments()]
+    argv = ["testbench", "add", "--undo", "--model", model, *studio.effects.arguments()]
     return "Taking the last step back", [*argv, "-o", model]
 
 

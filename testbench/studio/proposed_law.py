@@ -15,10 +15,9 @@ from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
 from gcode.support.strict import ExtraIgnored, load, read_text
 from testbench.recordings.stored import Finite, Label, Remark
-from testbench.results.model_file import Step, about_model
+from testbench.results.model_file import Step
 from testbench.results.result_files import read_diagnosis
 from testbench.studio import models
-from testbench.studio.freshness import made_of
 from testbench.studio.studio import Studio
 
 FOLDER = "proposal"  # below the results of a campaign
@@ -117,20 +116,19 @@ def kept_proposal(studio: Studio, c: str) -> Kept | None:
 
 def _is_fresh(studio: Studio, c: str, found: Proposal) -> bool:
     """Whether a proposal was made of the model as it is now, and its laws are not in yet."""
-    mine = about_model(models.model_path(studio, c))
-    steps, fitted = mine.get("history") or [], bool(mine.get("fit"))
+    steps = models.history_of(studio, c)
     if not steps or len(found.history) < len(steps):
         return False
     begun = found.history[len(steps) - 1].model_dump(mode="json", exclude_unset=True)
     taken = models.laws_in(studio, c) & {law.effect for law in found.laws}
-    return not taken and made_of(begun, steps[-1], undone=not fitted)
+    return not taken and models.is_last(studio, c, begun)
 
 
 def free_law_name(studio: Studio, c: str) -> str:
     """A name for a law of a campaign that no effect has: ``sleeve_law``, ``sleeve_law_2``."""
     stem = re.sub(r"[^a-z0-9]+", "_", c.lower()).strip("_")[:40]
     stem = f"{stem}_law" if re.match("[a-z]", stem) else f"law_{stem}".rstrip("_")
-    taken = studio.catalogue().effects
+    taken = studio.effects.catalogue().effects
     name, number = stem, 1
     while name in taken:
         number += 1
@@ -148,13 +146,12 @@ def propose_command(studio: Studio, c: str, name: str, most: int) -> tuple[str, 
     """
     from testbench.proposing.laws_found import check_names
 
-    check_names(name, f"{name or 'name'}.py", studio.catalogue().effects, most)
+    check_names(name, f"{name or 'name'}.py", studio.effects.catalogue().effects, most)
     folder = folder_of(studio, c)
     shutil.rmtree(folder, ignore_errors=True)
     make_folder(folder)
     argv = ["testbench", "propose", str(studio.workspace.campaign(c).folder)]
-    argv += models.same_held_out(studio, c)
-    argv += ["--model", str(models.model_path(studio, c)), *studio.effects_arguments(), "--laws", str(most)]
+    argv += [*models.same_arguments(studio, c), "--laws", str(most)]
     argv += ["--json", str(folder / JSON), "--save-model", str(folder / MODEL), "-o", str(folder / f"{name}.py")]
     return f"Looking for a law that {c} lacks", argv
 
@@ -174,18 +171,18 @@ def take(studio: Studio, c: str, kept: Kept) -> None:
     now = kept_proposal(studio, c)
     if now is None or not now.fresh or now.code != kept.code:
         raise UserError("the model or the proposal has changed since; look for a law again")
-    path, before = studio.effects_path, None
-    if studio.effects_file is not None:
-        if studio.runnable_effects is None:
+    path, before = studio.effects.path, None
+    if studio.effects.file is not None:
+        if studio.effects.runnable is None:
             raise UserError(f"{path.name} holds effects that you have not agreed to run; look at them first")
-        before = read_text(studio.effects_file, "file of own effects", LARGEST_EFFECT_BYTES)
+        before = studio.effects.text()
     write_text(path, with_law(before or "", kept))
-    studio.agree_to_effects()
+    studio.effects.agree()
     try:
         _adopt(studio, c, kept)
     except UserError:
         path.unlink() if before is None else write_text(path, before)
-        studio.agree_to_effects()
+        studio.effects.agree()
         raise
 
 
@@ -208,12 +205,12 @@ def with_law(before: str, kept: Kept) -> str:
 def _adopt(studio: Studio, c: str, kept: Kept) -> None:
     from testbench.results.model_file import load_model_file
 
-    found = load_model_file(kept.folder / MODEL, studio.catalogue())
-    before = about_model(models.model_path(studio, c))["history"]
+    found = load_model_file(kept.folder / MODEL, studio.effects.catalogue())
+    before = models.history_of(studio, c)
     diagnosis = read_diagnosis(models.diagnosis_path(studio, c)) if models.is_fresh(studio, c) else None
     found.save(models.model_path(studio, c))
     code = shlex.quote(str(kept.folder / f"{kept.found.laws[0].effect}.py"))
-    studio.keep_command(c, f"cat {code} >> {shlex.quote(str(studio.effects_path))}")
+    studio.keep_command(c, f"cat {code} >> {shlex.quote(str(studio.effects.path))}")
     studio.keep_command(c, shlex.join(["cp", str(kept.folder / MODEL), str(models.model_path(studio, c))]))
     if diagnosis is not None:
         models.keep_diagnosis(studio, c, diagnosis, before, found.history[len(before)]["step"])

@@ -14,13 +14,14 @@ from testbench.recordings.recording import gaps_in
 from testbench.report import style
 from testbench.report.downsample import liveliest, window
 from testbench.report.figures.recording_figures import at_rows, line, stretches, unbroken
+from testbench.report.words import PANEL_UNITS
 
 LOOPS = 3
 OVERLAY_CAPTION = (
     "Measured and modelled; under each the residual, measured minus modelled; grey: twice the noise floor."
 )
 CHANNEL_TITLES = {"force": "Force / N", "conductance": "ln (G / S)", "resistance": "Resistance / kΩ"}
-RESIDUAL_TITLES = {"force": "Residual / N", "conductance": "Residual / ln S", "resistance": "Residual / kΩ"}
+RESIDUAL_TITLES = {channel: f"Residual / {PANEL_UNITS[channel]}" for channel in CHANNEL_TITLES}
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,7 +184,4 @@ def busiest_window(both: Overlay, length_s: float) -> tuple[float, float]:
         (both.residual(channel, first) / (float(np.ptp(values)) or 1.0)) ** 2
         for channel, values in both.measured.items()
     )
-    step = float(np.median(np.diff(both.time_s)))
-    width = min(len(both.time_s), max(2, round(length_s / step)))
-    shown = both.time_s[liveliest(np.asarray(size), width)]
-    return float(shown[0]), float(shown[-1])
+    return liveliest(both.time_s, np.asarray(size), length_s)

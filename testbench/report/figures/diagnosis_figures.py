@@ -14,7 +14,7 @@ from testbench.report import style
 from testbench.report.downsample import window
 from testbench.report.figures.comparison_figures import RESIDUAL_TITLES
 from testbench.report.figures.recording_figures import line
-from testbench.report.words import with_probability
+from testbench.report.words import NOT_REFITTED, PANEL_UNITS, with_probability
 
 SHOWN = 8
 VISIBLE = 0.01  # share of the residual's squares; less is not worth a bar
@@ -33,8 +33,8 @@ def removed_percent(gain: float) -> float:
 def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
     """What a refit with each effect takes off the error on samples that no fit has seen, best first.
 
-    The bar is measured, with its 95 % interval over blocks of up to 60 s; an effect that was not worth a refit has
-    none. Left of 0, an effect adds to the error.
+    The bar is measured, with its 95 % interval over blocks of up to 60 s; an effect that was not refitted has none.
+    Left of 0, an effect adds to the error.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def _lowest(ranking: Sequence[Mapping[str, Any]]) -> float:
 
 def _untried(place: int) -> dict[str, Any]:
     look: dict[str, Any] = {"font": {"size": 11, "color": style.MUTED}, "xanchor": "left"}
-    return style.note("not worth a refit", 1.0, place, xref="x", yref="y", **look)
+    return style.note(NOT_REFITTED, 1.0, place, xref="x", yref="y", **look)
 
 
 def _colour(diagnosis: Mapping[str, Any], number: int) -> str:
@@ -144,10 +144,7 @@ def slope(residual: Mapping[str, FloatArray], contribution: Mapping[str, FloatAr
         dashed = {"color": style.INK, "width": 1, "dash": "dash"}
         traces.append(style.dots(x, y, style.VERMILION, column, 7))
         traces.append(style.curve(ends, ends, style.INK, column, line=dashed, hoverinfo="skip"))
-    titles = [
-        (RESIDUAL_TITLES[channel].replace("Residual", f"Predicted {channel}"), RESIDUAL_TITLES[channel])
-        for channel in channels
-    ]
+    titles = [(f"Predicted {channel} / {PANEL_UNITS[channel]}", RESIDUAL_TITLES[channel]) for channel in channels]
     return style.figure(traces, height=330, **style.side_by_side_axes(titles, gap=0.17))
 
 

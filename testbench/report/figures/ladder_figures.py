@@ -15,7 +15,7 @@ from testbench.report import style
 from testbench.report.downsample import window
 from testbench.report.figures.comparison_figures import CHANNEL_TITLES, Overlay, model_colour
 from testbench.report.figures.recording_figures import line
-from testbench.report.words import PANEL_UNITS
+from testbench.report.words import PANEL_UNITS, with_unit
 
 NAMED_STEPS = 3
 BESIDE, NAMED = 4, 9  # steps whose names have room where panels stand side by side, and one above the other
@@ -139,9 +139,7 @@ def _floors(
         lines.append(style.level(floor, style.INK, index, 1.4))
         look: dict[str, Any] = {"font": {"size": 11, "color": style.INK}, "xanchor": "right", "yanchor": "top"}
         where = {"xref": f"{style.x_ref(index)} domain", "yref": f"{style.y_ref(index)} domain"}
-        words.append(
-            style.note(f"- - -  noise floor {plain(floor, 2)} {PANEL_UNITS[channel]}", 1, 1, **look, **where)
-        )
+        words.append(style.note(f"- - -  noise floor {with_unit(floor, channel, 2)}", 1, 1, **look, **where))
     return lines, words
 
 

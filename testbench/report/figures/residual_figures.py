@@ -11,6 +11,7 @@ from gcode.support.arrays import FloatArray
 from gcode.support.figures import histogram_range
 from testbench.report import style
 from testbench.report.figures.comparison_figures import RESIDUAL_TITLES, Overlay
+from testbench.report.words import PANEL_UNITS
 
 COORDINATE_TITLES = {
     "strain": "Strain / %",
@@ -112,8 +113,7 @@ def heat_maps(both: Overlay) -> style.Figure:
     for column, channel in enumerate(both.measured):
         cells = _heat(100 * both.strain[inside], 100 * rate[inside], both.residual(channel)[inside])
         bar_x = (1.0 if column == len(both.measured) - 1 else 0.42) + 0.01
-        unit = RESIDUAL_TITLES[channel].rpartition(" / ")[2]
-        bar = {"title": {"text": unit}, "thickness": 10, "outlinewidth": 0, "x": bar_x}
+        bar = {"title": {"text": PANEL_UNITS[channel]}, "thickness": 10, "outlinewidth": 0, "x": bar_x}
         traces.append(_heat_map(*cells) | {**style.place(column), "colorbar": bar})
     axes = style.side_by_side_axes(panels, gap=0.16)
     notes = [

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from html import escape
 
 from nicegui import ui
@@ -21,7 +20,7 @@ from testbench.studio.memory import stamp
 from testbench.studio.notes import Note, tags_of
 from testbench.studio.parts.address import address
 from testbench.studio.parts.unfinished import is_under_way, is_unfinished
-from testbench.studio.parts.widgets import aside, attempt
+from testbench.studio.parts.widgets import aside, button
 from testbench.studio.studio import Studio, campaign_of
 from testbench.studio.workspace import Campaign
 
@@ -113,14 +112,13 @@ class Card:
 
     def _tools(self, name: str, choose: Callable[[str, bool], None], chosen: bool) -> None:
         with ui.element("div").classes("tools"):
-            choice = ui.checkbox(value=chosen, on_change=lambda event: choose(name, event.value)).props("dense")
-            _named(choice, f"Compare {name} with another", "Choose two to see them side by side")
+            choice = ui.checkbox("Compare", value=chosen, on_change=lambda event: choose(name, event.value))
+            _named(choice.props("dense"), f"Compare {name} with another", "Choose two to see them side by side")
             for icon, title, label, action in (
                 ("sell", "Tags and note", f"Tags and note of {name}", self._edit),
                 ("delete_outline", "Delete", f"Delete {name}", self._delete),
             ):
-                button = ui.button(icon=icon, on_click=partial(attempt, action)).props("flat dense round size=sm")
-                _named(button, label, title)
+                _named(button("", icon, action, "flat dense round size=sm"), label, title)
 
     def _edit(self) -> None:
         name, note = self.found.campaign.name, self.found.note
@@ -135,8 +133,8 @@ class Card:
                 await self.changed()
 
             with ui.row():
-                ui.button("Save", on_click=partial(attempt, save)).props("unelevated")
-                ui.button("Cancel", on_click=dialog.close).props("flat")
+                button("Save", "", save)
+                button("Cancel", "", dialog.close, "flat")
         dialog.open()
 
     def _delete(self) -> None:
@@ -150,11 +148,11 @@ class Card:
         ui.navigate.reload()
 
     async def fill(self) -> None:
-        """Check and draw."""
-        found = await aside(looked_at, self.studio, self.found.campaign)
+        """Check and draw, unless another list has taken its place meanwhile."""
+        with self.inside:
+            found = await aside(looked_at, self.studio, self.found.campaign)
         self.known = replace(found, state=self.known.state)
-        if not self.inside.is_deleted:  # the page may have been left meanwhile
-            self.inside.set_content(card_html(self.found, self.known))
+        self.inside.set_content(card_html(self.found, self.known))
 
 
 def _named(control: ui.element, name: str, title: str) -> None:

@@ -13,7 +13,7 @@ from testbench.studio.notes import Note
 from testbench.studio.pages.campaign_card import Card
 from testbench.studio.parts.address import Address, address
 from testbench.studio.parts.unfinished import is_unfinished
-from testbench.studio.parts.widgets import aside, attempt, guarded, heading, invitation, way_on
+from testbench.studio.parts.widgets import aside, button, guarded, heading, invitation, way_on
 from testbench.studio.studio import Studio
 from testbench.studio.workspace import results_name
 
@@ -68,7 +68,7 @@ def _deleted(studio: Studio) -> None:
             with ui.row().classes("items-center gap-3"):
                 whole = (place / "campaign").is_dir()
                 ui.label(f"{name} was deleted." if whole else f"Results of {name} from before wait for its new ones.")
-                ui.button("Undo", icon="undo", on_click=partial(attempt, partial(restore, place))).props("flat dense")
+                button("Undo", "undo", partial(restore, place), "flat dense")
         if len(gone) > 5:
             ui.label(f"and {len(gone) - 5} before, in results/deleted").classes("quiet text-sm")
 
@@ -80,7 +80,6 @@ class _List:
         self.studio, self.where, self.everything = studio, where, everything
         self.shown = AT_ONCE
         self.chosen: list[str] = []
-        self.turn = 0  # a list that has been replaced is not filled any further
 
     async def build(self) -> None:
         """Fields, then cards."""
@@ -95,12 +94,11 @@ class _List:
             self._select("Order", ORDERS, "order", "newest")
         with ui.row().classes("items-center gap-3"):
             self.count = ui.label().classes("quiet").props("role=status")
-            self.side = ui.button("Compare side by side", icon="compare", on_click=self._side_by_side)
-            self.side.props("outline dense")
+            self.side = button("Compare side by side", "compare", self._side_by_side, "outline dense")
             self.side.set_visibility(False)
         _deleted(self.studio)
         self.grid = ui.element("div").classes("campaigns")
-        self.more = ui.button("Show more", on_click=self._more).props("outline")
+        self.more = button("Show more", "", self._more, "outline")
         await self._draw()
 
     def _select(self, label: str, options: dict[str, str], key: str, usual: str = "") -> ui.select:
@@ -119,8 +117,7 @@ class _List:
         await self._draw()
 
     async def _draw(self) -> None:
-        self.turn += 1
-        turn, query = self.turn, self.where.query
+        query = self.where.query
         fits = narrowed(self.everything, query["q"], query["state"], query["tag"], query["order"])
         number = len(self.everything)
         self.count.set_text(
@@ -134,8 +131,6 @@ class _List:
                 for found in fits[: self.shown]
             ]
         for card in cards:
-            if turn != self.turn or self.grid.is_deleted:
-                return
             await card.fill()
 
     def _choose(self, name: str, wanted: bool) -> None:

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 
 from nicegui import ui
 
 from gcode.support.errors import UserError
 from gcode.support.files import write_text
-from gcode.support.strict import read_text
 from testbench.studio.jobs.job import Job, State
 from testbench.studio.memory import stamp
 from testbench.studio.parts.fields import typed_path
 from testbench.studio.parts.starting import start_in
-from testbench.studio.parts.widgets import attempt, guarded, heading, name_in_page, trouble
-from testbench.studio.studio import MOST_EFFECTS_BYTES, Studio
+from testbench.studio.parts.widgets import button, guarded, heading, name_in_page, trouble
+from testbench.studio.studio import Studio
 
 
 @guarded
@@ -30,17 +28,17 @@ class _Editor:
     """Name, text, buttons, and what the check says."""
 
     def __init__(self, studio: Studio) -> None:
-        self.studio, self.path = studio, studio.effects_path
+        self.studio, self.path = studio, studio.effects.path
         self.mark = stamp(self.path)  # of the file as it stands in the editor
         with ui.column().classes("card gap-3"):
             with ui.row().classes("items-center"):
                 self.name = ui.input("Name of a new effect", placeholder="my_effect").props("outlined dense")
-                self._button("Start from the template", "note_add", self._start).props("outline")
-                self._button("Save and check", "check", self._save).props("unelevated")
-                self._button("Read the file again", "refresh", self._read).props("flat")
+                button("Start from the template", "note_add", self._start, "outline")
+                button("Save and check", "check", self._save)
+                button("Read the file again", "refresh", self._read, "flat")
             with ui.row().classes("items-center w-full"):
                 self.where = ui.input("File in use", value=str(self.path)).props("outlined dense").classes("grow")
-                self._button("Use this file", "folder_open", self._point).props("outline")
+                button("Use this file", "folder_open", self._point, "outline")
             self.text = ui.codemirror("", language="Python", theme="basicLight")
             self.text.classes("w-full").style("height:440px;border:1px solid var(--rule);border-radius:9px")
         name_in_page(".cm-content", "Python file of own effects")
@@ -54,27 +52,24 @@ class _Editor:
 
     def _is_gone(self) -> bool:
         """Whether another file than the workspace's own is in use, and is not there."""
-        return self.path != self.studio.own_effects and not self.path.is_file()
+        return self.path != self.studio.effects.here and not self.path.is_file()
 
     def _remedy(self) -> str:
-        return f"Bring it back, or use another file; that of this workspace is {self.studio.own_effects}."
+        return f"Bring it back, or use another file; that of this workspace is {self.studio.effects.here}."
 
     def _check_place(self) -> None:
         if not self.path.parent.is_dir():
             raise UserError(f"{self.path.parent}: no such folder. {self._remedy()}")
 
-    def _button(self, label: str, icon: str, action: Callable[[], None]) -> ui.button:
-        return ui.button(label, icon=icon, on_click=lambda: attempt(action))
-
     def _point(self) -> None:
-        self.studio.point_to(typed_path(self.where.value, "File in use", "name a .py file on this machine"))
-        self.path = self.studio.effects_path
+        self.studio.effects.point_to(typed_path(self.where.value, "File in use", "name a .py file on this machine"))
+        self.path = self.studio.effects.path
         self.where.set_value(str(self.path))
         self._read()
 
     def _read(self) -> None:
         self.mark = stamp(self.path)
-        self.text.set_value(_text(self.studio))
+        self.text.set_value(self.studio.effects.text())
 
     def _start(self) -> None:
         name = self.name.value or ""
@@ -96,7 +91,7 @@ class _Editor:
             )
         write_text(self.path, self.text.value)
         self.mark = stamp(self.path)
-        self.studio.agree_to_effects()  # who saves it here wants it to run
+        self.studio.effects.agree()  # who saves it here wants it to run
         argv = ["testbench", "effects", "--effects", str(self.path), "--check"]
         self._run(argv, "Trying the rules that every effect keeps")
 
@@ -108,9 +103,5 @@ class _Editor:
             for line in job.lines:
                 ui.label(line).classes("mono")
         if job.state is State.DONE and "--new" in job.argv:
-            self.studio.agree_to_effects()  # our own template
+            self.studio.effects.agree()  # our own template
             self._read()
-
-
-def _text(studio: Studio) -> str:
-    return read_text(studio.effects_file, "file of effects", MOST_EFFECTS_BYTES) if studio.effects_file else ""

@@ -26,12 +26,14 @@ from testbench.studio.parts.starting import join_newest
 from testbench.studio.parts.widgets import (
     aside,
     attempt,
+    button,
     guarded,
     heading,
     later,
     name_in_page,
     subheading,
     trouble,
+    way_on,
     working,
 )
 from testbench.studio.studio import Studio
@@ -57,7 +59,7 @@ def page(studio: Studio, file: str = "", name: str = "", chosen: str = "") -> No
         with ui.row().classes("w-full items-center"):
             path = ui.input("File on this machine", value=file, placeholder="/data/lab/run-7.csv")
             path.props("outlined dense").classes("grow").on("keydown.enter", lambda: attempt(read_typed))
-            ui.button("Read the file", on_click=lambda: attempt(read_typed))
+            button("Read the file", "", lambda: read_typed())
         # Of several files a browser hands on the first and drops the others silently, unless they are allowed.
         upload = ui.upload(
             label="or drop it here", auto_upload=True, multiple=True, max_files=1, max_file_size=LARGEST_BYTES
@@ -150,12 +152,13 @@ class _Form:
             self.gauge.bind_value(self.choices, "gauge_length_mm")
             self.name = ui.input("Campaign name", value=free).props("outlined dense")
             self.name.on_value_change(self._named)
+        with ui.row():
             boxes = ("Put rows in the order of time", "sort"), ("Leave out rows that cannot be used", "drop_bad")
             fields: list[ValueElement] = [self.gauge]
             fields += [ui.checkbox(title).bind_value(self.choices, key) for title, key in boxes]
             for field in fields:
                 field.on_value_change(self._note)
-        ui.button("Import", icon="check", on_click=self._import)
+        button("Import", "check", self._import)
         self.result = _result_column()
 
     def _note(self) -> None:
@@ -261,7 +264,7 @@ class _Form:
             with ui.row():
                 for one in made:
                     label = f"Open {Path(one['out']).name}"
-                    ui.button(label, on_click=partial(ui.navigate.to, self._address(one))).props("outline")
+                    way_on(label, "", self._address(one), "outline")
 
     def _address(self, made: dict[str, Any]) -> str:
         return address("/recording", c=self.studio.workspace.name_of(Path(made["out"])))

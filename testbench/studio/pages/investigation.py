@@ -64,7 +64,11 @@ async def _shown(root: Path, name: str, names: list[str]) -> None:
             "Above: how probable each hypothesis was after each run; it ends at the dashed line. Below: the motion."
         )
         plot(figure_of(state, await aside(motions_of, folder, state)), caption)
-    table(("Run", "Minutes", "Motion", "Expected / nats", "Believed"), _rows(state))
+    told = (
+        "What a run was expected to tell is the information that was to come of it, in nats: one nat is a factor of "
+        "2.7 between the probabilities of two hypotheses. In brackets, that of a random motion."
+    )
+    table(("Run", "Minutes", "Motion", "Expected to tell / nats", "Believed"), _rows(state), told)
     with ui.row().classes("gap-4"):
         for number in (n for n, run in enumerate(state.runs, 1) if run.recorded):
             campaign = run_folder(Path(name), number)

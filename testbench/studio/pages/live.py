@@ -21,14 +21,18 @@ from testbench.studio.jobs.job import Job, State
 from testbench.studio.parts.address import address
 from testbench.studio.parts.picture import plot
 from testbench.studio.parts.unfinished import is_unfinished, resume
-from testbench.studio.parts.widgets import aside, attempt, trouble
+from testbench.studio.parts.widgets import aside, button, trouble, way_on
 from testbench.studio.studio import KEY_RIG, Studio
 from testbench.studio.workspace import MANIFEST
 
 REFRESH_S = 0.5
 CAPTION = "Left: the last minute, every sample. Right: all so far. Dashed: your limits."
 BESIDE = " Orange-red: what the compensator makes of the resistance alone."
-ENDS = {"interrupted": "stopped by you, every sample is on disk", "alarm": "stopped by a limit"}
+ENDS = {
+    "cancelled": "stopped by you before it began",
+    "interrupted": "stopped by you, every sample is on disk",
+    "alarm": "stopped by a limit",
+}
 
 
 class Live:
@@ -46,16 +50,16 @@ class Live:
         with ui.column().classes("card gap-2").style("position:sticky;top:8px;z-index:5"):
             with ui.row().classes("items-center justify-between w-full no-wrap"):
                 self.facts = ui.html("", sanitize=False).classes("grow")
-                self.stop = ui.button("Stop", icon="stop", on_click=self._stop)
-                self.stop.props("unelevated color=accent size=lg")
+                self.stop = button("Stop", "stop", self._stop, "unelevated color=accent size=lg")
             self.bar = ui.linear_progress(value=0, show_value=False).props("rounded size=8px")
             self.bar.props("aria-label='Share of the program that is recorded'")
         self.news = ui.label().classes("trouble").props("role=alert")
         self.news.set_visibility(False)
         self.end = ui.column().classes("w-full")
-        self.plot = plot(
-            live([]), CAPTION + (BESIDE if any(word.startswith("--compensator=") for word in job.argv) else "")
-        )
+        beside = BESIDE if any(word.startswith("--compensator=") for word in job.argv) else ""
+        with ui.column().classes("w-full") as self.below:
+            self.plot = plot(live([]), CAPTION + beside)
+        self.below.set_visibility(False)  # until there is a sample
         self.timer = ui.timer(REFRESH_S, self._look)
 
     async def _stop(self) -> None:
@@ -79,6 +83,7 @@ class Live:
         said = str(self.job.latest.get("message") or "")
         self.news.set_text(said)
         self.news.set_visibility(bool(said) and not over)
+        self.below.set_visibility(self.follower.envelope is not None)
         if self.due and self.plot.follow(live(self._channels())):
             self.due = False
         if over:
@@ -106,6 +111,8 @@ class Live:
         if self.follower.envelope is not None:
             self.plot.show(live(self._channels()))
         self.stop.set_visibility(False)
+        if "samples" not in self.job.latest:
+            self.facts.set_content('<span class="quiet">nothing was recorded</span>')
         said = str(self.job.latest.get("message") or "")
         state = str(self.job.latest.get("state") or self.job.state.value)
         failed, kept = self.job.state is State.FAILED, self.follower.path.is_file()
@@ -116,7 +123,7 @@ class Live:
                 ui.label(f"{self.job.title}: {ENDS.get(state, state)}. {said}").classes("verdict")
             with ui.row():
                 self._ways_on()
-                ui.button("Record another", icon="edit", on_click=ui.navigate.reload).props("outline")
+                button("Record another", "edit", ui.navigate.reload, "outline")
         if failed and not kept:  # else it may be gone on with
             await self._stop_rig()
 
@@ -124,11 +131,11 @@ class Live:
         if not (self.folder / MANIFEST).is_file():
             return
         name = self.studio.workspace.name_of(self.folder)
-        ui.button("Open the recording", on_click=lambda: ui.navigate.to(address("/recording", c=name)))
+        way_on("Open the recording", "", address("/recording", c=name))
         campaign = self.studio.workspace.campaign(name)
         if is_unfinished(campaign):
             again = partial(resume, self.studio, campaign, go=lambda _: ui.navigate.reload())
-            ui.button("Resume", icon="fiber_manual_record", on_click=lambda: attempt(again)).props("outline")
+            button("Resume", "fiber_manual_record", again, "outline")
 
 
 def channel_of(follower: Follower, name: str, title: str, factor: float, colour: str) -> LiveChannel | None:

@@ -18,7 +18,7 @@ from testbench.studio.parts.address import Address
 from testbench.studio.parts.fields import asked, check, keep_in, number_field, typed
 from testbench.studio.parts.picture import plot
 from testbench.studio.parts.starting import join_newest, offer_campaign_of, open_campaign_of, start_in
-from testbench.studio.parts.widgets import aside, attempt, download_button, facts, guarded, heading, later, subheading
+from testbench.studio.parts.widgets import aside, button, download_button, facts, guarded, heading, later, subheading
 from testbench.studio.studio import Studio
 
 PRESETS = {
@@ -69,13 +69,13 @@ def _form(studio: Studio, where: Address, begun: Callable[[], object]) -> None:
         with ui.row().classes("items-start"):
             preset = ui.select(PRESETS, value=wanted, label="Motion").props("outlined dense").style("width:220px")
             seed = number_field("Seed", asked(where, "seed", 51), whole=True)
+            seed.tooltip("another seed is another motion of the same kind")
             gauge = number_field("Gauge length / mm", asked(where, "gauge", 25))
             minutes = number_field("Duration / min", asked(where, "minutes", 23))
         limits = _limits(where)
         keep_in(where, motion=preset, seed=seed, gauge=gauge, minutes=minutes)
         _say_which_hold(limits, str(preset.value))
         preset.on_value_change(lambda event: _say_which_hold(limits, str(event.value)))
-        holder = ui.column().classes("w-full")
 
         def start() -> None:
             check(seed, gauge, minutes, *limits.values())
@@ -91,7 +91,8 @@ def _form(studio: Studio, where: Address, begun: Callable[[], object]) -> None:
             begun()
             start_in(holder, studio, f"plan:{name}", f"Planning {name}", argv, partial(_planned, where))
 
-        ui.button("Plan", icon="timeline", on_click=lambda: attempt(start)).props("unelevated")
+        button("Plan", "timeline", start)
+        holder = ui.column().classes("w-full")
         join_newest(holder, studio, "plan", partial(_planned, where))
 
 
@@ -170,7 +171,7 @@ def _run_form(studio: Studio, folder: Path, program: str) -> None:
             seed = number_field("Seed of noise", 1, whole=True)
             name = ui.input("Campaign name", value=f"pes-{program}").props("outlined dense").style("min-width:300px")
         sensor.on_value_change(lambda event: name.set_value(f"{event.value}-{program}"))
-        holder, ended = ui.column().classes("w-full"), partial(open_campaign_of, studio)
+        ended = partial(open_campaign_of, studio)
 
         def start() -> None:
             check(seed)
@@ -179,7 +180,8 @@ def _run_form(studio: Studio, folder: Path, program: str) -> None:
             argv += ["--seed", str(int(seed.value)), "--progress-json", "-o", str(target)]
             start_in(holder, studio, f"run:{name.value}", f"Running {name.value}", argv, ended)
 
-        ui.button("Run", icon="play_arrow", on_click=lambda: attempt(start)).props("unelevated")
+        button("Run", "play_arrow", start)
+        holder = ui.column().classes("w-full")
         of_this = partial(_plays, folder / "program.tap")
         join_newest(holder, studio, "run", ended, partial(offer_campaign_of, studio), of_this)
 

@@ -14,7 +14,7 @@ from testbench.studio.pages.live import Live
 from testbench.studio.pages.plan import SENSORS
 from testbench.studio.parts.fields import check, number_field, typed
 from testbench.studio.parts.unfinished import refuse_a_second, rig_port
-from testbench.studio.parts.widgets import attempt, guarded, heading, invitation, way_on
+from testbench.studio.parts.widgets import button, guarded, heading, invitation, way_on
 from testbench.studio.studio import KEY_RECORDING, KEY_RIG, Studio
 
 SIMULATED = "the simulated rig"
@@ -51,8 +51,7 @@ class _Form:
             with ui.row().classes("items-center"):
                 self._campaign()
             ui.label(_hint(ports_here())).classes("quiet text-sm")
-            button = ui.button("Record", icon="fiber_manual_record", on_click=lambda: attempt(self.start))
-            button.props("unelevated color=accent")
+            button("Record", "fiber_manual_record", self.start, "unelevated color=accent")
 
     def _rig(self, programs: list[str]) -> None:
         self.port = ui.input("Port", value=SIMULATED, autocomplete=[SIMULATED, *ports_here()])
@@ -91,6 +90,8 @@ class _Form:
         url = await _simulated_port(self.studio, self.sensor.value, tap) if simulated else self.port.value
         argv = ["testbench", "record", f"--port={url}", "--program", str(tap), "--progress-json", *self._said()]
         job = self.studio.jobs.start(KEY_RECORDING, f"Recording {self.name.value}", [*argv, "-o", str(target)])
+        if self.holder.is_deleted:
+            return  # the page was left while the rig started; “Running now” leads back to it
         self.holder.clear()
         with self.holder:
             Live(self.studio, job)

@@ -9,12 +9,11 @@ from typing import Any
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.comparing.numbers import plain
 from testbench.comparing.words import spoken
 from testbench.recordings.recording import Recording
 from testbench.report.figures import recording_figures as figures
 from testbench.report.parameter_table import parameter_name
-from testbench.report.words import PANEL_UNITS, with_probability
+from testbench.report.words import with_probability, with_unit
 from testbench.results.model_file import about_model
 from testbench.results.result_files import read_diagnosis, read_score
 from testbench.studio import models
@@ -80,7 +79,7 @@ def _model_facts(file: Mapping[str, Any]) -> dict[str, str]:
     for channel, error in steps[-1]["errors"]["held_out"].items():
         floor = steps[-1]["noise_floor"].get(channel, 0.0)
         times = f" ({error / floor:.1f} times the noise)" if floor > 0 else ""
-        told[f"Held-out error of the {channel}"] = f"{plain(error)} {PANEL_UNITS[channel]}{times}"
+        told[f"Held-out error of the {channel}"] = with_unit(error, channel) + times
     return told
 
 

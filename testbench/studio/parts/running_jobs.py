@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 from nicegui import ui
 
@@ -13,7 +14,7 @@ from testbench.studio.studio import WITH_TARGET, Studio, campaign_of
 
 REFRESHED_S = 1.0
 PLACES = {
-    "model": "/compare",
+    "model": "/ladder",
     "diagnose": "/missing",
     "experiment": "/experiment",
     "propose": "/propose",
@@ -22,8 +23,9 @@ PLACES = {
     "export": "/compensate",
     "align": "/align",
     "record": "/record",
+    "run": "/plan",
 }
-WITHOUT_CAMPAIGN = {"plan": "/plan", "import": "/import", "effects": "/effects"}
+WITHOUT_CAMPAIGN = {"plan": "/plan", "rig": "/record", "import": "/import", "effects": "/effects"}
 
 
 class RunningNow:
@@ -72,5 +74,7 @@ def place_of(job: Job) -> str:
     kind, campaign = job.key.partition(":")[0], campaign_of(job.key)
     if kind not in PLACES:
         return WITHOUT_CAMPAIGN.get(kind, "")
+    if kind == "run":
+        return address(PLACES[kind], program=Path(job.argv[job.argv.index("--program") + 1]).parent.name)
     target = job.key.rpartition(":")[2] if kind in WITH_TARGET else ""
     return address(PLACES[kind], c=campaign, target=target)

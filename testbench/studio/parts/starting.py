@@ -12,6 +12,7 @@ from nicegui import ui
 from testbench.studio.jobs.job import Commands, Job, State
 from testbench.studio.parts.address import address
 from testbench.studio.parts.job_card import JobCard, OnEnd
+from testbench.studio.parts.widgets import button
 from testbench.studio.studio import Studio
 
 SHOWN_S = 300.0  # what came of a job is still said for so long
@@ -101,7 +102,7 @@ def offer_campaign_of(studio: Studio, job: Job) -> None:
     name = studio.workspace.name_of(Path(job.argv[-1]))
     with ui.row().classes("card items-center gap-3").props("role=status"):
         ui.label(f"{job.title}: done after {job.elapsed_s:.1f} s").classes("quiet text-sm")
-        ui.button(f"Open {name}", on_click=lambda: open_campaign_of(studio, job)).props("outline")
+        button(f"Open {name}", "", lambda: open_campaign_of(studio, job), "outline")
 
 
 def open_campaign_of(studio: Studio, job: Job) -> None:

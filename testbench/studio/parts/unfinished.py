@@ -12,7 +12,7 @@ from gcode.support.errors import UserError
 from testbench.recordings.manifest import CSV, IN_PROGRESS, read_manifest
 from testbench.rig.connection.ports import remembered_port
 from testbench.studio.jobs.job import Job
-from testbench.studio.parts.widgets import attempt, way_on
+from testbench.studio.parts.widgets import button, way_on
 from testbench.studio.studio import KEY_RECORDING, KEY_RIG, Studio
 from testbench.studio.workspace import Campaign
 
@@ -61,8 +61,8 @@ def unfinished_card(studio: Studio, campaign: Campaign) -> None:
         ui.label("Every sample up to then is on disk and is shown below. Resume records the rest into it.")
         with ui.row().classes("items-center gap-2"):
             port = ui.input("Port", value=_port_of(campaign)).props("outlined dense").style("width:min(420px, 76vw)")
-            button = ui.button("Resume", icon="fiber_manual_record").props("unelevated color=accent")
-            button.on_click(lambda: attempt(lambda: resume(studio, campaign, port.value or "")))
+            look = "unelevated color=accent"
+            button("Resume", "fiber_manual_record", lambda: resume(studio, campaign, port.value or ""), look)
 
 
 def under_way_card() -> None:

@@ -13,7 +13,7 @@ from html import escape
 from pathlib import Path
 from typing import Any, TypeVar
 
-from nicegui import ui
+from nicegui import Client, ui
 
 from gcode.support import html
 from gcode.support.errors import UserError
@@ -56,8 +56,7 @@ async def _built(build: Callable[[], Any]) -> None:
         trouble(str(error))
     except Exception as error:
         LOG.exception("a page could not be built")
-        if not ui.context.slot.parent.is_deleted:  # else the page was left meanwhile
-            trouble(f"This page could not be built: {_told(error)}.", DEFECT)
+        trouble(f"This page could not be built: {_told(error)}.", DEFECT)
 
 
 def _told(error: Exception) -> str:
@@ -66,12 +65,12 @@ def _told(error: Exception) -> str:
 
 def _ask_before_running(studio: Studio) -> None:
     """Own effects are code, and a workspace may be somebody else's: ask before it is run."""
-    path = studio.effects_file
-    if path is None or studio.runnable_effects is not None:
+    path = studio.effects.file
+    if path is None or studio.effects.runnable is not None:
         return
 
     def agree() -> None:
-        studio.agree_to_effects()
+        studio.effects.agree()
         ui.navigate.reload()
 
     with ui.column().classes("trouble gap-2").props("role=alert"):
@@ -79,29 +78,44 @@ def _ask_before_running(studio: Studio) -> None:
         ui.label("Run them only if you know where they come from.").classes("text-sm")
         with ui.row():
             way_on("Look at the code", "code", "/effects", "outline")
-            ui.button("Run it", icon="play_arrow", on_click=agree).props("unelevated color=accent")
+            button("Run it", "play_arrow", agree, "unelevated color=accent")
 
 
 async def aside(function: Callable[..., T], *arguments: Any) -> T:
-    """Work in a thread, so that the other tabs stay alive meanwhile."""
-    return await asyncio.to_thread(function, *arguments)
+    """Work in a thread, so that the other tabs stay alive meanwhile.
+
+    Where the place on the page that waits for it is gone by then, whoever waits is cancelled.
+    """
+    place = ui.context.slot.parent
+    try:
+        return await asyncio.to_thread(function, *arguments)
+    finally:
+        if place.is_deleted:
+            raise asyncio.CancelledError
 
 
 async def attempt(action: Callable[[], Any]) -> Any:
-    """Do something on a click; a `UserError` becomes a message at the screen's edge."""
+    """Do something on a click; a `UserError` becomes a message at the screen's edge, were the button gone by then."""
+    tab = ui.context.client
     try:
         result = action()
         return await result if inspect.isawaitable(result) else result
     except UserError as error:
-        _notify(str(error))
+        _notify(tab, str(error))
     except Exception as error:
         LOG.exception("a click could not be followed")
-        _notify(f"This could not be done: {_told(error)}. {DEFECT}")
+        _notify(tab, f"This could not be done: {_told(error)}. {DEFECT}")
     return None
 
 
-def _notify(text: str) -> None:
-    ui.notify(text, type="warning", position="top", multi_line=True, close_button="OK", timeout=12_000)
+def _notify(tab: Client, text: str) -> None:
+    with tab:
+        ui.notify(text, type="warning", position="top", multi_line=True, close_button="OK", timeout=12_000)
+
+
+def button(title: str, icon: str, action: Callable[[], Any], look: str = "unelevated") -> ui.button:
+    """A button that does something; see `attempt`."""
+    return ui.button(title, icon=icon or None, on_click=lambda: attempt(action)).props(look)
 
 
 def trouble(text: str, remedy: str = "") -> None:
@@ -139,12 +153,12 @@ def download(path: Path, name: str | None = None) -> None:
 
 def download_button(title: str, path: Path, name: str | None = None, look: str = "outline") -> None:
     """A button that hands out a file; see `download`."""
-    ui.button(title, icon="download", on_click=lambda: attempt(lambda: download(path, name))).props(look)
+    button(title, "download", lambda: download(path, name), look)
 
 
 def way_on(title: str, icon: str, url: str, look: str = "unelevated") -> None:
     """A button that leads to another page."""
-    ui.button(title, icon=icon, on_click=lambda: ui.navigate.to(url)).props(look)
+    button(title, icon, lambda: ui.navigate.to(url), look)
 
 
 def heading(title: str, under: str = "") -> None:

@@ -369,7 +369,7 @@ def test_one_effect_has_one_number_everywhere() -> None:
     assert words.error_left(found["ranking"][2]) == ""
     table = sections.candidates_table(found)
     assert table.rows[0][2:5] == ("61 %", "38 %", "33 to 41 %")
-    assert table.rows[2][3] == "not worth a refit"
+    assert table.rows[2][3] == "not refitted: it would hardly lower the error"
     bars = diagnosis_figures.candidates(found)["data"][0]
     assert bars["x"].round().tolist() == [62.0, 62.0], "what is left and what is gone are a hundred together"
 

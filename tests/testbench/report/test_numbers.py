@@ -12,8 +12,10 @@ from hypothesis import strategies as st
 import tests.testbench.report.samples as samples
 from testbench.comparing.numbers import allowed, plain, span, with_error
 from testbench.knit.catalogue import baseline
-from testbench.report.parameter_table import parameter_table
-from testbench.report.worst_places import beyond_noise, busiest, spots
+from testbench.report.downsample import liveliest
+from testbench.report.parameter_table import name_without_unit, parameter_table
+from testbench.report.words import odds_in_words
+from testbench.report.worst_places import LOOK_S, LOOK_SAMPLES, beyond_noise, spots
 
 
 @pytest.mark.parametrize(
@@ -116,7 +118,7 @@ def test_the_stretch_holds_the_burst(start: int) -> None:
     time_s = np.arange(4000) * 0.05
     energy = np.zeros(4000)
     energy[start : start + 100] = 1.0
-    low, high = busiest(time_s, energy)
+    low, high = liveliest(time_s, energy, LOOK_S, LOOK_SAMPLES)
     assert low <= time_s[start]
     assert high >= time_s[start + 99]
     assert high - low == pytest.approx(29.95)
@@ -137,3 +139,12 @@ def test_a_spot_is_looked_for_inside_its_cell_only() -> None:
 def test_what_is_rounded_up_has_no_digit_more() -> None:
     assert with_error(9.996, 0.0996, "N") == "10.00 ± 0.10 N"
     assert span(0.1, 9.996, "s") == "0.1 to 10.0 s"
+
+
+def test_evidence_is_said_as_odds_and_a_parameter_without_its_unit() -> None:
+    assert [odds_in_words(nats) for nats in (0.0, 2.5, 88.0)] == [
+        "1.0 to one",
+        "12 to one",
+        "more than a million to one",
+    ]
+    assert [name_without_unit(key) for key in ("tau_s", "fraction", "gain_N")] == ["tau", "fraction", "gain"]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import logging
 import shutil
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterable
 from pathlib import Path
 
 import pytest
@@ -52,12 +53,21 @@ def studio(campaign_folder: Path, tmp_path: Path) -> Studio:
 
 
 @pytest_asyncio.fixture
-async def user(studio: Studio, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[User]:
-    """A user without a browser; nothing on a page waits."""
+async def user(
+    studio: Studio, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> AsyncIterator[User]:
+    """A user without a browser; nothing on a page waits, and no handler may raise."""
     monkeypatch.setattr("testbench.studio.parts.widgets.LATER_S", 0.0)
     async with user_simulation(root=lambda: frame(studio)) as simulated:
         yield simulated
         await studio.jobs.close()
+    blame_the_handlers(caplog.get_records("call"))
+
+
+def blame_the_handlers(records: Iterable[logging.LogRecord]) -> None:
+    """Fail where NiceGUI has logged what a handler raised: the page goes on as if nothing had been."""
+    raised = [logging.Formatter().format(one) for one in records if one.exc_info]
+    assert not raised, "\n".join(raised)
 
 
 @pytest.fixture

@@ -8,13 +8,18 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from testbench.studio.tail import Tail
+
 CHROMIUM = Path("/usr/bin/chromium")
+STDERR = tempfile.NamedTemporaryFile("ab")  # noqa: SIM115 - of all studios, as long as there are tests
+HEARD = Tail(Path(STDERR.name))
 CODE = """
 import sys
 from testbench.studio.pages import live
@@ -65,6 +70,14 @@ def served(root: Path, refresh_s: float = 0.5) -> Iterator[Served]:
     finally:
         process.kill()
         process.wait()
+        blame_the_server()
+
+
+def blame_the_server() -> None:
+    """Fail where a studio has printed a traceback since the last call; all that it has printed is passed on."""
+    said = "".join(f"{line}\n" for line in HEARD.fresh())
+    sys.stderr.write(said)
+    assert "Traceback (most recent call last)" not in said, f"the studio's server printed a traceback:\n{said}"
 
 
 def start_studio(root: Path, port: int, refresh_s: float = 0.5) -> subprocess.Popen:
@@ -72,12 +85,13 @@ def start_studio(root: Path, port: int, refresh_s: float = 0.5) -> subprocess.Po
     argv = [sys.executable, "-c", CODE, "studio", str(root), "--no-browser", "--port", str(port), str(refresh_s)]
     # NiceGUI behaves differently where it sees pytest in the environment.
     environment = {key: value for key, value in os.environ.items() if not key.startswith(("PYTEST", "NICEGUI"))}
-    process = subprocess.Popen(argv, cwd=root.parent, env=environment)
+    process = subprocess.Popen(argv, cwd=root.parent, env=environment, stderr=STDERR)
     try:
         _wait_for(port, process)
     except BaseException:
         process.kill()
         process.wait()
+        blame_the_server()
         raise
     return process
 

@@ -15,7 +15,9 @@ from nicegui.testing import User
 from gcode.support.errors import UserError
 from testbench.commands.record import add_arguments
 from testbench.studio.jobs.job import Job, State
+from testbench.studio.pages import record
 from testbench.studio.parts.address import address
+from testbench.studio.parts.picture import Picture
 from testbench.studio.parts.running_jobs import place_of
 from testbench.studio.studio import KEY_RECORDING, KEY_RIG, Studio
 from tests.testbench.importing import exports
@@ -208,6 +210,30 @@ async def test_what_a_person_says_of_a_specimen_may_begin_with_a_dash(
     assert parser.parse_args(begun[0][2:]).specimen == "-wet"
 
 
+async def test_a_recording_begins_though_its_page_is_left_while_the_rig_starts(
+    user: User, studio: Studio, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program = studio.workspace.program("short") / "program.tap"
+    program.parent.mkdir(parents=True)
+    program.write_text("G0 X0\n")
+    begun: list[str] = []
+    shown: list[object] = []
+
+    async def leave(*_: object) -> str:
+        ui.context.client.content.clear()
+        return "/dev/ttyNONE"
+
+    monkeypatch.setattr(record, "_simulated_port", leave)
+    monkeypatch.setattr(record, "Live", lambda *given: shown.append(given))
+    monkeypatch.setattr(studio.jobs, "start", lambda key, *_: begun.append(key))
+    await user.open("/record")
+    user.find(kind=ui.button, content="Record").click()
+    for _ in range(100):
+        await asyncio.sleep(0)
+    assert begun == [KEY_RECORDING]
+    assert not shown, "nobody would see it, and it would look for samples for ever"
+
+
 async def test_a_recorder_that_did_not_begin_promises_nothing_and_leads_back(user: User, studio: Studio) -> None:
     job = Job(KEY_RECORDING, "Recording new", ("testbench", "record", "-o", str(studio.workspace.root / "new")))
     rig = Job(KEY_RIG, "Simulated rig", ("testbench", "rig"))
@@ -219,6 +245,8 @@ async def test_a_recorder_that_did_not_begin_promises_nothing_and_leads_back(use
     await user.should_see("no such port", retries=50)
     await user.should_not_see("Every sample up to that moment is on disk")
     await user.should_see("Record another", retries=50)
+    await user.should_see("nothing was recorded")
+    await user.should_not_see(kind=Picture)
     assert rig.state is State.CANCELLED
     user.find("Record another").click()
     await user.should_see("No program yet", retries=50)

@@ -32,9 +32,9 @@ def kept(studio: Studio) -> proposed_law.Kept:
 
 
 def test_a_law_that_is_added_joins_the_own_effects_and_the_ladder(proposed: Studio) -> None:
-    assert proposed.runnable_effects is None
+    assert proposed.effects.runnable is None
     proposed_law.take(proposed, "sleeve", kept(proposed))
-    assert "sleeve_law" in proposed.catalogue().effects
+    assert "sleeve_law" in proposed.effects.catalogue().effects
     assert steps_in(proposed, "sleeve") == 2
     done = [line.partition("  ")[2].split()[0] for line in proposed.commands_path("sleeve").read_text().splitlines()]
     assert done == ["cat", "cp"], "the log leads to the model as it is"
@@ -43,21 +43,21 @@ def test_a_law_that_is_added_joins_the_own_effects_and_the_ladder(proposed: Stud
 
 
 def test_effects_that_are_there_already_stay_and_nothing_is_added_twice(proposed: Studio) -> None:
-    write_template("mine", proposed.effects_path)
-    proposed.agree_to_effects()
+    write_template("mine", proposed.effects.path)
+    proposed.effects.agree()
     proposed_law.take(proposed, "sleeve", kept(proposed))
-    assert {"mine", "sleeve_law"} <= set(proposed.catalogue().effects)
-    text = proposed.effects_path.read_text()
+    assert {"mine", "sleeve_law"} <= set(proposed.effects.catalogue().effects)
+    text = proposed.effects.path.read_text()
     assert proposed_law.with_law(text, kept(proposed)) == text
 
 
 def test_a_strangers_effects_are_not_run_along_with_it(proposed: Studio) -> None:
-    write_template("stranger", proposed.effects_path)
-    before = proposed.effects_path.read_text()
+    write_template("stranger", proposed.effects.path)
+    before = proposed.effects.path.read_text()
     with pytest.raises(UserError, match="you have not agreed to run"):
         proposed_law.take(proposed, "sleeve", kept(proposed))
-    assert proposed.runnable_effects is None
-    assert proposed.effects_path.read_text() == before
+    assert proposed.effects.runnable is None
+    assert proposed.effects.path.read_text() == before
 
 
 def test_code_that_was_changed_after_it_was_shown_is_not_taken(proposed: Studio) -> None:
@@ -66,20 +66,20 @@ def test_code_that_was_changed_after_it_was_shown_is_not_taken(proposed: Studio)
     path.write_text(path.read_text() + "\nprint('more')\n")
     with pytest.raises(UserError, match="has changed since"):
         proposed_law.take(proposed, "sleeve", shown)
-    assert not proposed.effects_path.exists()
+    assert not proposed.effects.path.exists()
 
 
 def test_a_law_is_not_taken_while_the_model_is_asked_about(proposed: Studio) -> None:
     proposed.jobs.jobs.append(running_job("diagnose:sleeve"))
     with pytest.raises(UserError, match="still under way, and the model of sleeve must stay"):
         proposed_law.take(proposed, "sleeve", kept(proposed))
-    assert not proposed.effects_path.exists()
+    assert not proposed.effects.path.exists()
 
 
 def test_another_effect_of_that_name_is_not_replaced(proposed: Studio) -> None:
-    write_template("sleeve_law", proposed.effects_path)
-    proposed.effects_path.write_text(proposed.effects_path.read_text().replace("gain", "share"))
-    proposed.agree_to_effects()
+    write_template("sleeve_law", proposed.effects.path)
+    proposed.effects.path.write_text(proposed.effects.path.read_text().replace("gain", "share"))
+    proposed.effects.agree()
     with pytest.raises(UserError, match="another effect called sleeve_law"):
         proposed_law.take(proposed, "sleeve", kept(proposed))
 
@@ -88,7 +88,7 @@ def test_a_model_that_cannot_be_read_leaves_everything_as_it_was(proposed: Studi
     (proposed_law.folder_of(proposed, "sleeve") / proposed_law.MODEL).write_text("{}")
     with pytest.raises(UserError, match="not a knitbench model"):
         proposed_law.take(proposed, "sleeve", kept(proposed))
-    assert not proposed.effects_path.exists()
+    assert not proposed.effects.path.exists()
     assert steps_in(proposed, "sleeve") == 1
 
 

@@ -17,7 +17,7 @@ from testbench.studio.memory import stamp
 from testbench.studio.parts.address import Address, span_of
 from testbench.studio.parts.picture import ZoomingPlot
 from testbench.studio.parts.starting import open_campaign_of, start_in
-from testbench.studio.parts.widgets import aside, attempt, campaign_head, facts, guarded, subheading, working
+from testbench.studio.parts.widgets import aside, button, campaign_head, facts, guarded, subheading, working
 from testbench.studio.studio import Studio
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ def _keep(studio: Studio, c: str) -> None:
         )
         with ui.row().classes("items-center"):
             name = ui.input("Campaign name", value=f"{c}-aligned").props("outlined dense").style("min-width:300px")
-            ui.button("Write it", icon="save", on_click=lambda: attempt(start)).props("outline")
+            button("Write it", "save", lambda: start(), "outline")
         holder = ui.column().classes("w-full")
 
     def start() -> None:

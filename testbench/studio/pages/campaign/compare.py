@@ -11,7 +11,6 @@ import numpy as np
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.comparing.numbers import plain
 from testbench.comparing.words import spoken
 from testbench.recordings.manifest import CSV
 from testbench.report.document import Table
@@ -19,7 +18,7 @@ from testbench.report.figures import comparison_figures as figures
 from testbench.report.figures import residual_figures
 from testbench.report.figures.comparison_figures import Overlay
 from testbench.report.figures.recording_figures import stretches_in_words
-from testbench.report.words import PANEL_UNITS
+from testbench.report.words import with_unit
 from testbench.report.worst_places import Spot, noise_reached, why_no_place
 from testbench.studio.beside import Beside, beside_choices, beside_of, side_by_side
 from testbench.studio.memory import stamp
@@ -163,7 +162,7 @@ def view_of(studio: Studio, c: str, on: str, beside: str = "") -> View:
     """
     recording = studio.workspace.campaign(on).folder / CSV
     second = beside_of(studio, c, beside) if beside else None
-    files = stamp(model_path(studio, c), recording, studio.effects_file, second.path if second else None)
+    files = stamp(model_path(studio, c), recording, studio.effects.file, second.path if second else None)
     return studio.memory.recall(("compare", c, on, beside, files), lambda: _compare(studio, c, on, second))
 
 
@@ -174,7 +173,7 @@ def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
     from testbench.report.overlays import as_read, failings_of, overlay_of
     from testbench.results.model_file import load_model_file
 
-    catalogue, path = studio.catalogue(), model_path(studio, c)
+    catalogue, path = studio.effects.catalogue(), model_path(studio, c)
     file = load_model_file(path, catalogue)
     found = compare(studio.workspace.recording(on), path, effects=catalogue)
     judged, measurement = found.judged, found.measurement
@@ -228,7 +227,7 @@ def _errors(view: View, shown: Overlay) -> list[tuple[str, str]]:
         fitted = "conductance" if channel == KOHM else channel
         for label, rms in reversed(list(view.rms.items())):
             whose = f" ({label})" if len(view.rms) > 1 else ""
-            pairs.append((f"RMS error of the {channel}{whose}", f"{plain(rms[channel])} {PANEL_UNITS[channel]}"))
+            pairs.append((f"RMS error of the {channel}{whose}", with_unit(rms[channel], channel)))
         pairs.append((f"the noise floor of the {fitted}", f"{channels[fitted]['over_noise']:.1f} times"))
     return pairs
 

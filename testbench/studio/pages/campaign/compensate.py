@@ -22,7 +22,7 @@ from testbench.studio.models import companions
 from testbench.studio.parts.address import address
 from testbench.studio.parts.picture import plot
 from testbench.studio.parts.starting import join_running, run_in_turn, start_in
-from testbench.studio.parts.widgets import attempt, campaign_head, download_button, facts, guarded, later, subheading
+from testbench.studio.parts.widgets import button, campaign_head, download_button, facts, guarded, later, subheading
 from testbench.studio.studio import Studio
 from testbench.studio.workspace import RESULTS
 
@@ -87,13 +87,11 @@ def _form(studio: Studio, c: str, target: str) -> None:
         )
         with ui.row().classes("items-center"):
             aim = ui.select(list(NEEDED), value=target, label="Predict").props("outlined dense").style("width:150px")
-            network = ui.select(NETWORKS, value=AUTO, label="Method").props("outlined dense").style("width:280px")
+            network = ui.select(NETWORKS, value=AUTO, label="Method").props("outlined dense").style("width:370px")
             judging = _Judging(studio, c, target)
             network.on_value_change(lambda event: judging.offer(event.value))
         judging.tell_here(str(network.value))
         aim.on_value_change(lambda event: ui.navigate.to(address("/compensate", c=c, target=event.value)))
-        holder = ui.column().classes("w-full")
-
         key = f"train:{c}:{target}"
 
         def start() -> None:
@@ -106,7 +104,8 @@ def _form(studio: Studio, c: str, target: str) -> None:
             commands = [(f"Training on {c}", argv), ("Scoring", scoring)]
             run_in_turn(studio, key, commands, holder, ui.navigate.reload)
 
-        ui.button("Train", icon="model_training", on_click=lambda: attempt(start)).props("unelevated")
+        button("Train", "model_training", start)
+        holder = ui.column().classes("w-full")
         join_running(studio, key, holder, ui.navigate.reload)
 
 
@@ -159,7 +158,7 @@ def _scoring(studio: Studio, c: str, target: str, judged: list[str]) -> list[str
 def _downloads(studio: Studio, c: str, target: str) -> None:
     with ui.row():
         path = compensator_path(studio, c, target)
-        ui.button("Export for the chip (C header)", icon="memory", on_click=lambda: attempt(export)).props("outline")
+        button("Export for the chip (C header)", "memory", lambda: export(), "outline")
         download_button("Compensator as JSON", path)
     holder = ui.column().classes("w-full")
 

@@ -20,7 +20,7 @@ from testbench.studio.parts.address import Address, address
 from testbench.studio.parts.fields import asked, check, keep_in, number_field, typed
 from testbench.studio.parts.picture import plot
 from testbench.studio.parts.starting import join_running, run_in_turn
-from testbench.studio.parts.widgets import aside, attempt, campaign_head, guarded, subheading, trouble, way_on
+from testbench.studio.parts.widgets import aside, button, campaign_head, guarded, subheading, trouble, way_on
 from testbench.studio.studio import Studio
 
 
@@ -88,7 +88,7 @@ def _ask(studio: Studio, c: str, diagnosis: Mapping[str, Any], where: Address) -
             speed = number_field("Speed up to / mm/s", asked(where, "speed", 10))
             acceleration = number_field("Acceleration up to / mm/s²", asked(where, "acceleration", 20))
         keep_in(where, strain=strain, minutes=minutes, speed=speed, acceleration=acceleration)
-        button = ui.button("Find the motion that tells them apart", icon="science").props("unelevated")
+        button("Find the motion that tells them apart", "science", lambda: start())
         holder = ui.column().classes("w-full")
 
     def start() -> None:
@@ -101,13 +101,12 @@ def _ask(studio: Studio, c: str, diagnosis: Mapping[str, Any], where: Address) -
         title = f"Looking for the motion that tells {' from '.join(rivals_of(diagnosis))}"
         run_in_turn(studio, key, [(title, argv)], holder, ui.navigate.reload)
 
-    button.on_click(lambda: attempt(start))
     join_running(studio, key, holder, ui.navigate.reload)
 
 
 def _command(studio: Studio, c: str, limits: Mapping[str, str]) -> list[str]:
     argv = ["testbench", "experiment", "--diagnosis", str(asked_path(studio, c))]
-    argv += ["--fit", str(studio.workspace.campaign(c).folder), *studio.effects_arguments()]
+    argv += ["--fit", str(studio.workspace.campaign(c).folder), *studio.effects.arguments()]
     argv += models.same_held_out(studio, c)
     for option, value in limits.items():
         argv += [option, value]

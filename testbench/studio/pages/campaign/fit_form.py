@@ -11,7 +11,7 @@ from gcode.support.files import copy_file
 from testbench.studio import models
 from testbench.studio.parts.fields import check, number_field, typed
 from testbench.studio.parts.starting import join_running
-from testbench.studio.parts.widgets import aside, attempt, subheading, trouble, way_on
+from testbench.studio.parts.widgets import aside, button, subheading, trouble, way_on
 from testbench.studio.studio import Studio
 
 PLAY = "Play of the clamps / mm"
@@ -51,7 +51,6 @@ def add_fit_form(studio: Studio, c: str, again: bool = False) -> None:
             play.style("width:240px")  # its label is long
             play.tooltip("where the sensor was clamped anew: by how much the zero of its displacement may have moved")
             play.bind_visibility_from(held, "value", backward=lambda value: value != models.LAST_THIRD)
-        holder = ui.column().classes("w-full")
 
         def start() -> None:
             check(play)
@@ -62,13 +61,13 @@ def add_fit_form(studio: Studio, c: str, again: bool = False) -> None:
             models.change_model(studio, c, [(f"Fitting the baseline to {c}", argv)], holder, ui.navigate.reload)
 
         words = "Fit the baseline anew" if again else "Fit the baseline"
-        button = ui.button(words, icon="tune", on_click=lambda: attempt(start))
-        button.props("outline" if again else "unelevated")
+        button(words, "tune", start, "outline" if again else "unelevated")
+        holder = ui.column().classes("w-full")
         join_running(studio, f"model:{c}", holder, ui.navigate.reload)
 
 
 def _fit_command(studio: Studio, c: str, held_out: str, play_mm: str) -> list[str]:
     argv = ["testbench", "fit", str(studio.workspace.campaign(c).folder)]
-    argv += models.held_out_arguments(studio, held_out) + studio.effects_arguments()
+    argv += models.held_out_arguments(studio, held_out) + studio.effects.arguments()
     argv += ["--clamp-play-mm", play_mm] if play_mm and held_out != models.LAST_THIRD else []
     return [*argv, "-o", str(models.model_path(studio, c))]

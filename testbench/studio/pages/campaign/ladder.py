@@ -11,7 +11,6 @@ from urllib.parse import quote
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.comparing.numbers import plain
 from testbench.comparing.words import spoken
 from testbench.report.figures import diagnosis_figures
 from testbench.report.figures import ladder_figures as figures
@@ -19,7 +18,7 @@ from testbench.report.figures.comparison_figures import busiest_window
 from testbench.report.parameter_table import parameter_table
 from testbench.report.provenance import moment
 from testbench.report.sections import fall_in_words
-from testbench.report.words import PANEL_UNITS, ladder_notes, verdict_in_words
+from testbench.report.words import ladder_notes, verdict_in_words, with_unit
 from testbench.results.model_file import ModelFile
 from testbench.results.result_files import read_diagnosis
 from testbench.studio import models
@@ -32,7 +31,7 @@ from testbench.studio.parts.starting import join_running, run_in_turn
 from testbench.studio.parts.widgets import (
     KOHM,
     aside,
-    attempt,
+    button,
     campaign_head,
     download_button,
     facts,
@@ -76,7 +75,7 @@ class _Ladder:
 
         self.studio, self.c, self.where = studio, c, where
         self.kohm = where.query["show"] == KOHM
-        catalogue = studio.catalogue()
+        catalogue = studio.effects.catalogue()
         self.file: ModelFile = load_model_file(models.model_path(studio, c), catalogue)
         other = models.held_out_recording(studio, c)
         self.judged = held_samples(self.file, studio.workspace.recording(c), other)
@@ -127,10 +126,7 @@ class _Ladder:
     def _tell(self, step: int) -> None:
         chosen = self.steps[step]
         pairs = [("this step" if step else "the first model", spoken(chosen.label))]
-        pairs += [
-            (f"held-out {channel}", f"{plain(error)} {PANEL_UNITS[channel]}")
-            for channel, error in chosen.errors.items()
-        ]
+        pairs += [(f"held-out {channel}", with_unit(error, channel)) for channel, error in chosen.errors.items()]
         pairs += [
             (f"the noise floor of the {channel}", f"{times:.1f} times")
             for channel, times in self.over_noise[step].items()
@@ -156,7 +152,7 @@ class _Ladder:
         from testbench.report.overlays import overlay_of
         from testbench.report.story import GLANCE_S
 
-        catalogue = self.studio.catalogue()
+        catalogue = self.studio.effects.catalogue()
         shown = {
             self.steps[number].label: model_from_dict(self.file.history[number]["model"], catalogue, "history")
             for number in sorted({0, step})
@@ -172,11 +168,10 @@ class _Ladder:
         join_running(self.studio, f"report:{self.c}", holder, partial(self._link_to_it, holder))
         join_running(self.studio, f"model:{self.c}", holder, ui.navigate.reload)
         with ui.row():
-            undo = ui.button("Undo the last step", icon="undo", on_click=lambda: attempt(lambda: self._undo(holder)))
-            undo.props("outline").set_enabled(last > 0)
+            undo = button("Undo the last step", "undo", lambda: self._undo(holder), "outline")
+            undo.set_enabled(last > 0)
             way_on("What is missing now?", "search", address("/missing", c=self.c))
-            report = ui.button("Report", icon="description", on_click=lambda: attempt(lambda: self._report(holder)))
-            report.props("outline")
+            button("Report", "description", lambda: self._report(holder), "outline")
             download_button("Model as JSON", models.model_path(self.studio, self.c))
 
     def _written(self) -> None:
@@ -198,8 +193,7 @@ class _Ladder:
     def _report(self, holder: ui.column) -> None:
         output = self.studio.workspace.results(self.c) / REPORT
         argv = ["testbench", "report", "--recording", str(self.studio.workspace.campaign(self.c).folder)]
-        argv += models.same_held_out(self.studio, self.c)
-        argv += ["--model", str(models.model_path(self.studio, self.c)), *self.studio.effects_arguments()]
+        argv += models.same_arguments(self.studio, self.c)
         for path in models.kept_diagnoses(self.studio, self.c).values():
             argv += ["--diagnosis", str(path)]
         if models.is_fresh(self.studio, self.c):

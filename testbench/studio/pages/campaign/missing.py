@@ -12,6 +12,7 @@ from testbench.comparing.words import spoken
 from testbench.report.figures import diagnosis_figures as figures
 from testbench.report.figures.kohm import contribution_kohm
 from testbench.report.words import (
+    NOT_REFITTED,
     base_in_words,
     error_left,
     probability_of,
@@ -30,6 +31,7 @@ from testbench.studio.parts.widgets import (
     KOHM,
     aside,
     attempt,
+    button,
     campaign_head,
     guarded,
     later,
@@ -68,14 +70,18 @@ def _ask(studio: Studio, c: str, known: bool) -> None:
 
     def start() -> None:
         argv = ["testbench", "diagnose", str(studio.workspace.campaign(c).folder)]
-        argv += ["--model", str(models.model_path(studio, c)), *studio.effects_arguments()]
-        argv += models.same_held_out(studio, c)
-        argv += ["--json", str(models.diagnosis_path(studio, c)), "-o", str(models.diagnosed_path(studio, c))]
+        argv += [*models.same_arguments(studio, c), "--json", str(models.diagnosis_path(studio, c))]
+        argv += ["-o", str(models.diagnosed_path(studio, c))]
         command = (f"Looking for what is missing in {c}", argv)
         run_in_turn(studio, key, [command], holder, ui.navigate.reload)
 
-    button = ui.button("Ask again" if known else "Find what is missing", icon="search")
-    button.on_click(lambda: attempt(start)).props("outline" if known else "unelevated")
+    if not known:
+        under = (
+            "The effects of the catalogue are put into the model one after the other, and samples that no fit has "
+            "seen decide. It takes a few minutes."
+        )
+        subheading("What does the model lack?", under)
+    button("Ask again" if known else "Find what is missing", "search", start, "outline" if known else "unelevated")
     holder = ui.column().classes("w-full")
     join_running(studio, key, holder, ui.navigate.reload)
 
@@ -116,7 +122,7 @@ def _better_law(studio: Studio, c: str, diagnosis: Mapping[str, Any]) -> None:
     done = partial(ui.navigate.to, address("/ladder", c=c))
     start = partial(models.add_laws, studio, c, laws, diagnosis, holder, done)
     names = " and ".join(spoken(law) for law in laws)
-    ui.button(f"Use {names}", icon="swap_horiz", on_click=lambda: attempt(start)).props("unelevated")
+    button(f"Use {names}", "swap_horiz", start)
 
 
 def _experiment(c: str, diagnosis: Mapping[str, Any]) -> None:
@@ -138,8 +144,8 @@ class _Candidates:
         """Where several effects were found: all of them at once, refitted together as the diagnosis has them."""
         found = [spoken(one["law"]) for one in self.diagnosis["found"]]
         if len(found) > 1 and self._is_fresh():
-            button = ui.button(f"Add all that was found: {', '.join(found)}", icon="playlist_add")
-            button.on_click(lambda: attempt(self._adopt)).props("unelevated color=accent")
+            title = f"Add all that was found: {', '.join(found)}"
+            button(title, "playlist_add", self._adopt, "unelevated color=accent")
 
     def _adopt(self) -> None:
         models.adopt_diagnosed(self.studio, self.c, self.diagnosis)
@@ -167,7 +173,7 @@ class _Candidates:
             if probability is not None:
                 with ui.element("div").classes("meter"):
                     ui.element("div").style(f"width:{100 * probability:.1f}%")
-            ui.label(f"leaves {left} of the held-out error" if left else "not worth a refit").classes("quiet text-sm")
+            ui.label(f"leaves {left} of the held-out error" if left else NOT_REFITTED).classes("quiet text-sm")
 
     async def _look(self, entry: Mapping[str, Any]) -> None:
         for law, card in self.cards.items():
@@ -191,8 +197,8 @@ class _Candidates:
                 if entry["law"] in models.laws_in(self.studio, self.c):
                     ui.label("in the model already").classes("tag made")
                 elif self.diagnosis["verdict"] != "nothing_missing":
-                    add = ui.button(f"Add {spoken(entry['law'])}", icon="add").props("unelevated color=accent")
-                    add.on_click(lambda: attempt(lambda: self._add(entry)))
+                    title = f"Add {spoken(entry['law'])}"
+                    button(title, "add", lambda: self._add(entry), "unelevated color=accent")
             self.holder = ui.column().classes("w-full")
             if shown.ln_S is not None:
                 quantity_toggle(self.where)
@@ -204,7 +210,7 @@ class _Candidates:
             ZoomingPlot(drawn, caption, found.time_s, self.span, self._zoomed)
             caption = "An effect that is really there predicts its own size: its points lie on the dashed line."
             plot(figures.slope(found.residual, found.added), caption)
-            effect_told(self.diagnosis, entry, self.studio.catalogue())
+            effect_told(self.diagnosis, entry, self.studio.effects.catalogue())
 
     def _zoomed(self, span: Span) -> None:
         self.span = span  # another candidate is looked at over the same stretch
@@ -212,7 +218,7 @@ class _Candidates:
 
     def _predicted(self, entry: Mapping[str, Any]) -> ContributionResult:
         studio, c = self.studio, self.c
-        files = stamp(models.diagnosis_path(studio, c), models.model_path(studio, c), studio.effects_file)
+        files = stamp(models.diagnosis_path(studio, c), models.model_path(studio, c), studio.effects.file)
         make = partial(contribution_of, studio, c, self.diagnosis, entry)
         return studio.memory.recall(("predicted", c, entry["law"], files), make)
 
@@ -229,7 +235,7 @@ class _Candidates:
                 done()
                 return
         path = models.model_path(self.studio, self.c)
-        laws = laws_with(self.diagnosis, entry["law"], path, self.studio.catalogue())
+        laws = laws_with(self.diagnosis, entry["law"], path, self.studio.effects.catalogue())
         models.add_laws(self.studio, self.c, laws, self.diagnosis, self.holder, done)
 
     def _base_misfits(self) -> bool:
@@ -255,4 +261,4 @@ def contribution_of(
     from testbench.api.missing.contributing import contribution
 
     recording, other = studio.workspace.recording(c), models.held_out_recording(studio, c)
-    return contribution(diagnosis, entry["law"], recording, other, effects=studio.catalogue())
+    return contribution(diagnosis, entry["law"], recording, other, effects=studio.effects.catalogue())

@@ -10,7 +10,7 @@ from nicegui import ui
 from testbench.comparing.numbers import in_words, plain, with_error
 from testbench.comparing.words import percent, spoken
 from testbench.report.formula import formula_svg, lines_of
-from testbench.report.words import PANEL_UNITS
+from testbench.report.words import PANEL_UNITS, odds_in_words
 from testbench.results.model_file import about_model
 from testbench.studio import models, proposed_law
 from testbench.studio.pages.campaign.fit_form import add_fit_form
@@ -20,7 +20,7 @@ from testbench.studio.parts.fields import check, number_field
 from testbench.studio.parts.starting import join_running, run_in_turn
 from testbench.studio.parts.widgets import (
     aside,
-    attempt,
+    button,
     campaign_head,
     facts,
     guarded,
@@ -65,7 +65,7 @@ def _ask(studio: Studio, c: str) -> None:
             name = ui.input("Name of the law", value=proposed_law.free_law_name(studio, c))
             name.props("outlined dense bottom-slots").style("min-width:220px")
             most = number_field("Laws at most", 1, most=MOST_ASKED)
-        button = ui.button("Look for a law", icon="auto_awesome").props("unelevated")
+        button("Look for a law", "auto_awesome", lambda: start())
         holder = ui.column().classes("w-full")
 
     async def start() -> None:
@@ -77,7 +77,6 @@ def _ask(studio: Studio, c: str) -> None:
             command = await aside(proposed_law.propose_command, studio, c, *wanted)
         run_in_turn(studio, key, [command], holder, ui.navigate.reload)
 
-    button.on_click(lambda: attempt(start))
     join_running(studio, key, holder, ui.navigate.reload)
 
 
@@ -130,10 +129,9 @@ def _adding(studio: Studio, c: str, kept: proposed_law.Kept) -> None:
         ui.navigate.to(address("/ladder", c=c))
 
     with ui.row().classes("items-center"):
-        button = ui.button(f"Add {names}", icon="add", on_click=lambda: attempt(add))
-        button.props("unelevated color=accent")
+        button(f"Add {names}", "add", add, "unelevated color=accent")
         words = (
-            f"Writes the class below into {studio.effects_path.name}, so that every fit and diagnosis knows it. "
+            f"Writes the class below into {studio.effects.path.name}, so that every fit and diagnosis knows it. "
             "The model has been refitted with it already."
         )
         ui.label(words).classes("quiet text-sm")
@@ -159,7 +157,7 @@ async def _law(law: proposed_law.FoundLaw, errors: Mapping[str, float]) -> None:
     table(("Symbol", "What it is", "Value"), rows, _evidence(law))
     if law.alternatives:
         others = [(other.words, _against(other, law)) for other in law.alternatives[:SHOWN]]
-        table(("Instead of it", "Evidence"), others)
+        table(("Instead of it", "Odds against that"), others)
 
 
 def _formula(line: str, svg: str) -> None:
@@ -189,8 +187,8 @@ def _value(law: proposed_law.FoundLaw, key: str, errors: Mapping[str, float]) ->
 
 def _evidence(law: proposed_law.FoundLaw) -> str:
     return (
-        f"± is one standard error. The recordings speak for it with {law.log_evidence:+.1f} nats of log evidence "
-        "over the model without it (a nat is a factor of 2.7 in the odds). Where they were resampled, it still gains "
+        f"± is one standard error. The recordings speak for it with odds of {odds_in_words(law.log_evidence)} "
+        "against the model without it. Where they were resampled, it still gains "
         f"in {percent(law.gains_in)} of the cases and is the best law in {percent(law.best_in)}."
     )
 
@@ -198,8 +196,8 @@ def _evidence(law: proposed_law.FoundLaw) -> str:
 def _against(other: proposed_law.Option, law: proposed_law.FoundLaw) -> str:
     from testbench.proposing.hunt import TIED_NATS
 
-    tied = abs(other.log_evidence - law.log_evidence) < TIED_NATS
-    return f"{other.log_evidence:+.1f} nats, {'cannot be told from it' if tied else 'less likely'}"
+    against = law.log_evidence - other.log_evidence
+    return f"{odds_in_words(against)}{', cannot be told from it' if abs(against) < TIED_NATS else ''}"
 
 
 def _picture(studio: Studio, kept: proposed_law.Kept) -> None:

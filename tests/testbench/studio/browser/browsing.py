@@ -17,7 +17,7 @@ import tests.testbench.report.samples as example
 from compensation.cli import main as compensation
 from gcode.cli import main as gcode
 from testbench.cli import main as run_testbench
-from tests.testbench.studio.served import CHROMIUM, Served, served
+from tests.testbench.studio.served import CHROMIUM, Served, blame_the_server, served
 
 SHOTS = Path(__file__).parents[4] / "artifacts" / "studio"
 PATIENCE_MS = 200_000  # of every wait, of a fit too: a machine may be busy
@@ -37,6 +37,13 @@ def browser():
         chromium = play.chromium.launch(executable_path=str(CHROMIUM), args=["--no-sandbox"])
         yield chromium
         chromium.close()
+
+
+@pytest.fixture(autouse=True)
+def server_without_a_traceback() -> Iterator[None]:
+    """A handler that raises leaves the page as it was, and speaks on the server alone: the test that did it fails."""
+    yield
+    blame_the_server()
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ from testbench.studio import models
 from testbench.studio.pages import campaign_card
 from testbench.studio.parts.fields import written
 from testbench.studio.parts.running_jobs import place_of
-from testbench.studio.studio import OWN_EFFECTS, Studio, campaign_of
+from testbench.studio.studio import Studio, campaign_of
 
 pytestmark = pytest.mark.asyncio
 
@@ -51,8 +51,8 @@ async def test_a_model_whose_own_effect_is_gone_leads_to_the_effects_and_to_anot
     await user.should_see("The model of sleeve needs what is not among the effects here: mine.", retries=50)
     await user.should_not_see("--effects")
     await user.should_see("Fit the baseline anew")
-    fitted.effects_path.write_text("1 / 0\n")
-    fitted.agree_to_effects()
+    fitted.effects.path.write_text("1 / 0\n")
+    fitted.effects.agree()
     await user.open(f"{page}?c=sleeve")
     await user.should_see("effects.py: cannot be loaded: ZeroDivisionError", retries=50)
     await user.should_see("Fit the baseline anew")
@@ -80,7 +80,7 @@ async def test_a_plan_whose_trajectory_is_gone_says_so(user: User, studio: Studi
 async def test_every_step_of_a_ladder_has_an_address(user: User, fitted: Studio) -> None:
     for step in ("0", "7", ""):
         await user.open(f"/ladder?c=sleeve&step={step}")
-        await user.should_see("Through the history")
+        await user.should_see("Through the history", retries=50)
     await user.open("/ladder?c=sleeve&step=x")
     await user.should_see("the address asks for step='x', which is no number")
 
@@ -102,15 +102,15 @@ async def test_a_recording_without_a_gauge_length_is_refused_in_a_sentence(
 async def test_own_effects_that_are_not_text_are_not_used_and_those_of_the_workspace_are_found_again(
     studio: Studio, tmp_path: Path
 ) -> None:
-    own, other, bad = studio.workspace.root / OWN_EFFECTS, tmp_path / "other.py", tmp_path / "bad.py"
+    own, other, bad = studio.effects.here, tmp_path / "other.py", tmp_path / "bad.py"
     other.write_text("# none\n")
     bad.write_bytes(b"# \xe9\n")
-    studio.point_to(other)
+    studio.effects.point_to(other)
     with pytest.raises(UserError, match="not a file of effects"):
-        studio.point_to(bad)
-    assert studio.effects_path == other
-    studio.point_to(own)
-    assert studio.effects_path == own
+        studio.effects.point_to(bad)
+    assert studio.effects.path == other
+    studio.effects.point_to(own)
+    assert studio.effects.path == own
 
 
 async def test_a_campaign_holds_no_other_and_an_empty_folder_is_no_campaign(studio: Studio) -> None:
@@ -135,7 +135,12 @@ async def test_a_campaign_may_have_a_colon_in_its_name() -> None:
     assert campaign_of("train:a:b:force") == "a:b"
     assert place_of(SimpleNamespace(key="train:a:b:force")) == "/compensate?c=a%3Ab&target=force"
     assert place_of(SimpleNamespace(key="export:sleeve:force")) == "/compensate?c=sleeve&target=force"
-    assert place_of(SimpleNamespace(key="model:a:b")) == "/compare?c=a%3Ab"
+    assert place_of(SimpleNamespace(key="model:a:b")) == "/ladder?c=a%3Ab"
+
+
+async def test_a_run_is_looked_at_below_the_plan_that_it_follows() -> None:
+    argv = ("testbench", "run", "--sensor", "pes", "--program", "/ws/programs/short/program.tap", "-o", "/ws/new")
+    assert place_of(SimpleNamespace(key="run:new", argv=argv)) == "/plan?program=short"
 
 
 @pytest.mark.parametrize("value", [1234567890123, 25.5, 0.1, 1e-7, 1 / 3])

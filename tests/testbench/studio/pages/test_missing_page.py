@@ -64,7 +64,7 @@ async def test_a_candidate_is_told_with_formula_source_and_values(user: User, fi
     await user.should_see("F(t) = F_e(t) - fraction")
     await user.should_see("Source: Fung, Biomechanics")
     await user.should_see("leaves 38 % of the held-out error")
-    await user.should_see("not worth a refit")
+    await user.should_see("not refitted: it would hardly lower the error")
 
 
 async def test_several_that_were_found_are_added_together(user: User, fitted: Studio) -> None:

@@ -138,8 +138,8 @@ async def test_a_new_effect_starts_from_the_template_and_is_checked(user: User, 
     user.find("Name of a new effect").clear().type("my_effect")
     user.find("Start from the template").click()
     await user.should_see("done after", retries=150)
-    assert studio.effects_file is not None
-    assert studio.effects_arguments() == ["--effects", str(studio.effects_file)]
+    assert studio.effects.file is not None
+    assert studio.effects.arguments() == ["--effects", str(studio.effects.file)]
     user.find("Save and check").click()
     await user.should_see("my_effect: keeps all rules", retries=150)
 
@@ -153,8 +153,8 @@ async def test_own_effects_may_lie_in_a_file_elsewhere(user: User, studio: Studi
     user.find("File in use").clear().type(str(tmp_path / "mine.py"))
     user.find("Use this file").click()
     await asyncio.sleep(0)
-    assert studio.effects_arguments() == ["--effects", str(tmp_path / "mine.py")]
-    assert Studio(studio.workspace.root).effects_file == tmp_path / "mine.py"
+    assert studio.effects.arguments() == ["--effects", str(tmp_path / "mine.py")]
+    assert Studio(studio.workspace.root).effects.file == tmp_path / "mine.py"
 
 
 async def test_a_file_of_own_effects_is_named_as_in_a_shell_and_said_to_be_gone(
@@ -174,11 +174,11 @@ async def test_a_file_of_own_effects_is_named_as_in_a_shell_and_said_to_be_gone(
     user.find("File in use").clear().type(" ~/lab/mine.py ")
     user.find("Use this file").click()
     await asyncio.sleep(0.1)
-    assert studio.effects_file == tmp_path / "lab" / "mine.py"
+    assert studio.effects.file == tmp_path / "lab" / "mine.py"
     shutil.rmtree(tmp_path / "lab")
     await user.open("/effects")
     await user.should_see("mine.py was pointed to, and is gone.")
-    await user.should_see(f"that of this workspace is {studio.own_effects}")
+    await user.should_see(f"that of this workspace is {studio.effects.here}")
     user.find(kind=ui.codemirror).type("two = 2\n")
     user.find("Save and check").click()
     await user.should_see("lab: no such folder. Bring it back, or use another file")
@@ -188,20 +188,20 @@ async def test_somebody_elses_effects_are_not_run_unasked(user: User, studio: St
     ran = tmp_path / "ran"
     mine = "from testbench.effects import StressRelaxation\nclass Mine(StressRelaxation):\n    name = 'mine'\n"
     (studio.workspace.root / "effects.py").write_text(f"open({str(ran)!r}, 'w').close()\n{mine}")
-    assert studio.effects_arguments() == []
-    studio.catalogue()
+    assert studio.effects.arguments() == []
+    studio.effects.catalogue()
     await user.open("/recording?c=sleeve")
     await user.should_see("have not been run")
-    await user.should_see("How often each value occurred")
+    await user.should_see("How often each value occurred", retries=50)
     assert not ran.exists()
     user.find("Run it").click()
     await asyncio.sleep(0.1)
-    assert studio.effects_arguments() == ["--effects", str(studio.workspace.root / "effects.py")]
-    studio.catalogue()
+    assert studio.effects.arguments() == ["--effects", str(studio.workspace.root / "effects.py")]
+    studio.effects.catalogue()
     assert ran.exists()
     (studio.workspace.root / "effects.py").write_text("other = 1\n")
-    assert studio.effects_arguments() == [], "it was another text that was agreed to"
-    assert Studio(studio.workspace.root).runnable_effects is None
+    assert studio.effects.arguments() == [], "it was another text that was agreed to"
+    assert Studio(studio.workspace.root).effects.runnable is None
 
 
 async def test_clocks_of_plan_and_recording_are_compared(user: User, studio: Studio) -> None:
@@ -327,9 +327,9 @@ async def test_a_file_of_two_rows_has_all_but_its_distributions(user: User, stud
 
 
 async def test_what_was_changed_on_disk_meanwhile_is_not_overwritten(user: User, studio: Studio) -> None:
-    path = studio.effects_path
+    path = studio.effects.path
     path.write_text("first = 1\n")
-    studio.agree_to_effects()
+    studio.effects.agree()
     await user.open("/effects")
     await user.should_see("Save and check")
     path.write_text("changed_elsewhere = 1\n")
