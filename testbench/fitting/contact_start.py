@@ -17,6 +17,8 @@ SAMPLES = 300
 EXPONENTS = (0.5, 1.0)
 SHARES = (0.0, 1.0, 0.5)  # of the strain in what the contacts feel
 STILL_SEEN = 0.02  # of the resistance or conductance, in series or parallel: less than that hardly shows
+PRELOAD = 0.07  # of the range of the force: how much the contacts of a resting knit usually feel
+PRELOADS = (0.001, 30.0)  # of that range, at least and at most: beyond, the law does not change any more
 NARROWEST = 0.1  # of a parameter's range, in its logarithm, where the resistance is beyond all that is allowed
 CLEARLY_LESS = 0.8  # of the misfit of the usual start: where a less usual one has less, it is taken
 
@@ -50,7 +52,8 @@ def contact_start(contact: Effect, pressing: FloatArray, log_g: FloatArray) -> E
 
 def _best_start(contact: Effect, pressing: FloatArray, log_g: FloatArray) -> tuple[Effect, float]:
     stride = max(len(pressing) // SAMPLES, 1)
-    starts = [_fitted(_guess(contact, log_g, one), pressing[::stride], log_g[::stride]) for one in EXPONENTS]
+    guesses = [_guess(contact, pressing, log_g, one) for one in EXPONENTS]
+    starts = [_fitted(one, pressing[::stride], log_g[::stride]) for one in guesses]
     return starts[_first_of_the_best([misfit for _, misfit in starts])]
 
 
@@ -63,13 +66,15 @@ def _first_of_the_best(misfits: Sequence[float]) -> int:
     return best
 
 
-def _guess(contact: Effect, log_g: FloatArray, exponent: float) -> Effect:
-    median_ohm = float(np.exp(-np.median(log_g)))
+def _guess(contact: Effect, pressing: FloatArray, log_g: FloatArray, exponent: float) -> Effect:
+    """Contacts that make most of the resistance in the middle of the force."""
+    median_ohm, preload_N = float(np.exp(-np.median(log_g))), PRELOAD * float(np.ptp(pressing))
+    middle_N = max(float(np.median(pressing)), 0.0) + preload_N
     return contact.near(
-        contact_resistance_ohm=median_ohm,
+        contact_resistance_ohm=median_ohm * middle_N**exponent,
         parallel_S=0.05 / median_ohm,
         series_ohm=0.1 * median_ohm,
-        preload_N=0.2,
+        preload_N=preload_N,
         exponent=exponent,
     )
 
@@ -84,6 +89,8 @@ def _fitted(contact: Effect, pressing: FloatArray, log_g: FloatArray) -> tuple[E
     for key, least in (("series_ohm", STILL_SEEN * median_ohm), ("parallel_S", STILL_SEEN / median_ohm)):
         at_most = high[keys.index(key)] - NARROWEST
         low[keys.index(key)] = np.clip(np.log(least), low[keys.index(key)], at_most)
+    load = keys.index("preload_N")
+    low[load], high[load] = np.clip(np.log(np.multiply(PRELOADS, np.ptp(pressing))), low[load], high[load])
     signals = {"contact_force_N": pressing}
 
     def at(x: FloatArray) -> Effect:

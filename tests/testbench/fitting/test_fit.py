@@ -117,6 +117,22 @@ def test_a_level_of_the_resistance_is_known_as_well_in_every_unit(unit):
     assert address not in found.at_bound()
 
 
+@pytest.mark.parametrize("unit", [1e-3, 100.0])
+def test_contacts_are_found_as_well_in_a_sensor_of_any_force(unit):
+    """A skin that pulls with millinewtons, and a webbing with hundreds of newtons."""
+    relaxing = truth().plus(CATALOGUE["contact_relaxation"]().near(fraction=0.2, tau_s=10.0))
+    whole = record(relaxing, 120.0, 10.0, seed=1)
+    other = replace(whole, channels={**whole.channels, "force_N": whole["force_N"] * unit})
+    usual, scaled = (fit(starting_baseline(one), one) for one in map(prepare, (whole, other)))
+    assert scaled.model["contact"].preload_N == pytest.approx(unit * usual.model["contact"].preload_N, rel=0.1)
+    assert scaled.model["contact"].exponent == pytest.approx(usual.model["contact"].exponent, rel=0.1)
+    left = [
+        np.std(m.residual(found.model)["conductance"])
+        for m, found in ((prepare(whole), usual), (prepare(other), scaled))
+    ]
+    assert left[1] == pytest.approx(left[0], rel=0.02)
+
+
 def test_what_force_alone_cannot_tell_is_said():
     measurement = prepare(record(truth(), channels=("force_N",)))
     result = fit(truth(), measurement)
