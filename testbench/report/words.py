@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from testbench.comparing.numbers import plain
-from testbench.comparing.words import MANY, listed, percent, percent_left, spoken
+from testbench.comparing.words import MANY, listed, percent, percent_left, spoken, still_off
 from testbench.measurements.responses import UNIT_OF
 
 PANEL_UNITS = {**UNIT_OF, "resistance": "kΩ"}  # of an axis or a table, by what it shows
@@ -29,6 +29,8 @@ def verdict_in_words(diagnosis: Mapping[str, Any]) -> str:
     said = f"Nothing is missing that these recordings could show{_bracketed(probability)}."
     if bend := diagnosis.get("bends_like"):
         said += f" But a law of the base is bent as {with_probability(diagnosis, bend)} would bend it."
+    if off := still_off(diagnosis["error_after"], diagnosis["noise_floor"]):
+        said += f" But {off}."
     return said
 
 
@@ -47,7 +49,10 @@ def _bracketed(probability: float | None) -> str:
 
 
 def _depends(diagnosis: Mapping[str, Any]) -> str:
-    most = [f"{entry['channel']} on {spoken(entry['coordinate'])}" for entry in diagnosis.get("depends_on", [])[:2]]
+    most = [
+        f"{entry['channel']} on {spoken(entry['coordinate'])} ({percent(entry['gain'])} of it)"
+        for entry in diagnosis.get("depends_on", [])[:2]
+    ]
     return f" What is left depends most on this: {'; '.join(most)}." if most else ""
 
 
