@@ -64,7 +64,8 @@ def _missing(diagnosis: Mapping[str, Any]) -> str:
     tied = [with_probability(diagnosis, name) for name in diagnosis.get("tied", []) if name != found[0]["effect"]]
     left = error_left(first) if len(found) == 1 else ""
     sentence = f"The model is missing {', then '.join(names)}"
-    sentence += f": with it {left} of the held-out error is left." if left else "."
+    mean = ", the mean of the channels," if len(diagnosis["error_before"]) > 1 else ""
+    sentence += f": with it {left} of the held-out error{mean} is left." if left else "."
     sentence += f" In all, {error_fall(diagnosis['error_before'], diagnosis['error_after'])}."
     if tied:
         which = "it" if len(found) == 1 else spoken(found[0]["effect"])

@@ -299,9 +299,9 @@ def test_nothing_left_to_depend_on_is_no_figure() -> None:
     [
         (
             "missing",
-            "The model is missing stress relaxation (61 %): with it 38 % of the held-out error is left. In all, the "
-            "held-out error of the force goes from 0.120 to 0.0110 N, that of the conductance from 0.0310 to 0.00240 "
-            "ln S. These recordings cannot tell it from load cell creep (36 %).",
+            "The model is missing stress relaxation (61 %): with it 38 % of the held-out error, the mean of the "
+            "channels, is left. In all, the held-out error of the force goes from 0.120 to 0.0110 N, that of the "
+            "conductance from 0.0310 to 0.00240 ln S. These recordings cannot tell it from load cell creep (36 %).",
         ),
         (
             "unknown",
