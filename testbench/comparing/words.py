@@ -10,7 +10,7 @@ from testbench.comparing.numbers import over_noise, span
 
 DOING = {1: " while stretching", -1: " while releasing", 0: ""}
 NOISE_REACHED = 1.1  # an error of at most this many noise floors is noise: nothing is left to be pointed at
-FAR = 3.0  # noise floors: of an error that is told even where no effect is missing
+FAR = 3.0  # noise floors: an error that is told even where nothing more is missing
 MANY = math.log(1e6)  # log odds beyond this are "more than a million to one"
 
 
@@ -43,7 +43,7 @@ def no_place_in_words(over_noise: Mapping[str, float], quick: Mapping[str, float
 
 
 def still_off(errors: Mapping[str, float], floors: Mapping[str, float]) -> str:
-    """Of a model that misses nothing: that an error is far above its noise floor all the same; empty if none is."""
+    """Where nothing more is missing: that an error is far above its noise floor all the same; empty if none is."""
     times = {channel: over_noise(error, floors[channel]) for channel, error in errors.items()}
     worst = max(times, key=lambda channel: times[channel])
     return f"the error of the {worst} is {times[worst]:.0f} times its noise floor" if times[worst] > FAR else ""

@@ -36,11 +36,9 @@ def first_line(diagnosis: Diagnosis) -> str:
     """All that was found, how sure that is, and what is left."""
     chances = diagnosis.probabilities
     if diagnosis.verdict == "nothing_missing":
-        said = f"nothing is missing ({percent(chances[NOTHING])}){_bent(diagnosis)}"
-        off = still_off(diagnosis.error_after, diagnosis.noise_floor)
-        return said + (_elsewhere(diagnosis) or (f"; but {off}: see `testbench compare`" if off else ""))
+        return f"nothing is missing ({percent(chances[NOTHING])}){_bent(diagnosis)}{_held_out(diagnosis)}"
     if diagnosis.verdict == "missing":
-        return f"missing: {_found(diagnosis)}; {_left(diagnosis.left)}{_where(diagnosis)}{_elsewhere(diagnosis)}"
+        return f"missing: {_found(diagnosis)}; {_left(diagnosis.left)}{_where(diagnosis)}{_held_out(diagnosis)}"
     first = diagnosis.ranking[0]
     if first.probability > chances[UNKNOWN]:
         return f"unknown: {_too_little(first)}{_depends(diagnosis)}"
@@ -75,6 +73,12 @@ def _nearest(first: Ranked) -> str:
     if first.held_out_gain is None or first.left > WORTH_SAYING:
         return ""
     return f". The nearest is {spoken(first.effect)} ({first.law}), which would leave {_share(first.left)}"
+
+
+def _held_out(diagnosis: Diagnosis) -> str:
+    """What is said where the held-out error is not what the first words promise."""
+    off = still_off(diagnosis.error_after, diagnosis.noise_floor)
+    return _elsewhere(diagnosis) or (f"; but {off}: see `testbench compare`" if off else "")
 
 
 def _elsewhere(diagnosis: Diagnosis) -> str:

@@ -68,6 +68,8 @@ def test_what_explains_one_channel_says_where_the_rest_is():
             found=(lag,),
             tied=(),
             left=0.66,
+            error_after=steps[-1][1],
+            noise_floor={"force": 0.005, "conductance": 0.02},
             after=SimpleNamespace(history=history),
         )
     )
@@ -82,8 +84,12 @@ def test_where_nothing_is_missing_the_other_recording_shows_more():
     )
 
 
-def test_an_error_far_above_the_noise_is_told_where_nothing_is_missing():
-    """A hum that comes and goes more quickly than the diagnosis looks."""
+def test_an_error_far_above_the_noise_is_told_whatever_is_left_of_it_where_the_diagnosis_looks():
+    """A hum that comes and goes more quickly than that; its alias was found."""
+    assert line("missing", 0.014, floor=0.002) == (
+        "missing: cyclic fatigue (78 %); less than 1 % of the error above the noise is left; but the error of the "
+        "force is 7 times its noise floor: see `testbench compare`"
+    )
     assert line("nothing_missing", 0.014, floor=0.002) == (
         "nothing is missing (80 %); but the error of the force is 7 times its noise floor: see `testbench compare`"
     )
