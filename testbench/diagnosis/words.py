@@ -90,8 +90,8 @@ def _elsewhere(diagnosis: Diagnosis) -> str:
         return ""
     fails = f" in this recording, but held out the error of the {worst} is {times[worst]:.0f} times as large: "
     if diagnosis.found:
-        other = "another mechanism may be the cause, or what the specimen had gone through before"
-        return f"{fails}what was found does not carry over: {other}"
+        other = "Another mechanism may be the cause, or what the specimen had gone through before"
+        return f"{fails}what was found does not carry over. {other}"
     return (
         f"{fails}that recording shows what this one does not. Diagnose it as well, or one that has the motion of both"
     )
