@@ -57,6 +57,8 @@ class Comparison(Unchanging):
     ----------
     rms, noise_floor : dict of channel to float
         In N and in ln S, at the samples as recorded.
+    quick : dict of channel to float
+        The part of `rms` that the averages of the grid do not hold: what comes and goes within one of its steps.
     maps : dict of channel to dict of coordinate to tuple of Cell
     worst : tuple of Place
         At most three, the worst first.
@@ -64,6 +66,7 @@ class Comparison(Unchanging):
 
     rms: Mapping[str, float]
     noise_floor: Mapping[str, float]
+    quick: Mapping[str, float]
     maps: Mapping[str, Mapping[str, tuple[Cell, ...]]]
     worst: tuple[Place, ...]
 
@@ -75,7 +78,8 @@ class Comparison(Unchanging):
     @property
     def places(self) -> tuple[str, ...]:
         """The worst places, a sentence each; where there is none, why."""
-        return tuple(place.words for place in self.worst) or (no_place_in_words(self.over_noise),)
+        quick = {channel: over_noise(rms, self.noise_floor[channel]) for channel, rms in self.quick.items()}
+        return tuple(place.words for place in self.worst) or (no_place_in_words(self.over_noise, quick),)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready form; the shape is documented in docs/finding-effects.md."""
@@ -86,6 +90,7 @@ class Comparison(Unchanging):
                 "rms": self.rms[channel],
                 "noise_floor": self.noise_floor[channel],
                 "over_noise": over_noise[channel],
+                "quick": self.quick[channel],
                 "maps": {
                     coordinate: [vars(cell) | {"t": cell.t} for cell in cells]
                     for coordinate, cells in self.maps[channel].items()
@@ -118,16 +123,17 @@ def compare(model: KnitModel, measurement: Measurement, free_offset: bool = Fals
     residual = measurement.residual(model)
     errors, floors = rms_errors(model, measurement, free_offset), noise_floors(measurement)
     where = {name: values[measurement.counts] for name, values in coordinates(measurement).items()}
-    maps, places = {}, []
+    quick, maps, places = {}, {}, []
     for channel, values in residual.items():
         counting = values[measurement.counts]
         if free_offset:
             counting = counting - counting.mean()
+        quick[channel] = float(max(errors[channel] ** 2 - np.mean(counting**2), 0.0)) ** 0.5
         maps[channel] = residual_maps(counting, where)
         if errors[channel] > NOISE_REACHED * floors[channel]:
             places += _places(channel, maps[channel], counting, _size_of(measurement, channel))
     worst = _distinct(sorted(places, key=lambda place: -place.share_of_error))
-    return Comparison(errors, floors, maps, tuple(worst))
+    return Comparison(errors, floors, quick, maps, tuple(worst))
 
 
 def residual_maps(residual: FloatArray, where: Mapping[str, FloatArray]) -> dict[str, tuple[Cell, ...]]:

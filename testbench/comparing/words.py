@@ -6,10 +6,11 @@ import math
 from collections.abc import Mapping, Sequence
 
 from testbench.comparing.cell import HOLD_RATE, Cell
-from testbench.comparing.numbers import span
+from testbench.comparing.numbers import over_noise, span
 
 DOING = {1: " while stretching", -1: " while releasing", 0: ""}
 NOISE_REACHED = 1.1  # an error of at most this many noise floors is noise: nothing is left to be pointed at
+FAR = 3.0  # noise floors: an error that is told even where nothing more is missing
 MANY = math.log(1e6)  # log odds beyond this are "more than a million to one"
 
 
@@ -27,12 +28,25 @@ def place_in_words(channel: str, coordinate: str, cell: Cell, size: float) -> st
     return f"modelled {channel} is {100 * amount:.1f} %{of} {way} {where_in_words(coordinate, cell)}"
 
 
-def no_place_in_words(over_noise: Mapping[str, float]) -> str:
-    """What is said where no worst place is named; `over_noise` is the error of each channel over its noise floor."""
+def no_place_in_words(over_noise: Mapping[str, float], quick: Mapping[str, float]) -> str:
+    """What is said where no worst place is named, of the error of each channel over its noise floor.
+
+    `quick` is the part of it that comes and goes between the points of the grid, where no effect is looked for.
+    """
     above = [channel for channel, times in over_noise.items() if times > NOISE_REACHED]
     if not above:
         return "no place stands out from the noise"
-    return f"the error of the {' and the '.join(above)} is spread out or in a few peaks: no single place can be named"
+    of = f"the error of the {' and the '.join(above)}"
+    if all(quick[channel] > max(NOISE_REACHED, over_noise[channel] / math.sqrt(2)) for channel in above):
+        return f"{of} comes and goes too quickly for any effect: a hum, or coloured noise"
+    return f"{of} is spread out or in a few peaks: no single place can be named"
+
+
+def still_off(errors: Mapping[str, float], floors: Mapping[str, float]) -> str:
+    """Where nothing more is missing: that an error is far above its noise floor all the same; empty if none is."""
+    times = {channel: over_noise(error, floors[channel]) for channel, error in errors.items()}
+    worst = max(times, key=lambda channel: times[channel])
+    return f"the error of the {worst} is {times[worst]:.0f} times its noise floor" if times[worst] > FAR else ""
 
 
 def where_in_words(coordinate: str, cell: Cell) -> str:

@@ -25,6 +25,7 @@ from testbench.knit.effect import FloatArray
 from testbench.measurements.measurement import Measurement
 from testbench.results.model_file import ModelFile
 
+VISIBLE = 0.01  # share of the residual's squares; on what explains less, what is left does not depend
 TIED = 0.9  # the smallest set of mechanisms with this probability is what cannot be told apart
 
 
@@ -62,7 +63,7 @@ def concluded(
     chances = mixed_with_prior(meant, prior_of(weighed), constants.MISLED)
     explained = mapped(put_in[-1].hypothesis if put_in else bare, rounds[-1].likelihood).gains
     leading_first = sorted(range(len(put_in)), key=lambda k: k != lead)
-    depends_on = ((channel, where, share) for (channel, where), share in explained.items())
+    depends_on = ((channel, where, share) for (channel, where), share in explained.items() if share >= VISIBLE)
     return Diagnosis(
         verdict=verdict,
         probabilities=chances,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from testbench.comparing.ladder import step_before
 from testbench.comparing.tables import ladder_table
-from testbench.comparing.words import listed, percent, percent_left, spoken
+from testbench.comparing.words import listed, percent, percent_left, spoken, still_off
 from testbench.diagnosis.judging.probabilities import NOTHING, UNKNOWN
 from testbench.diagnosis.judging.weighing import LEFT_AT_MOST
 from testbench.diagnosis.result import Diagnosis, Ranked
@@ -36,9 +36,9 @@ def first_line(diagnosis: Diagnosis) -> str:
     """All that was found, how sure that is, and what is left."""
     chances = diagnosis.probabilities
     if diagnosis.verdict == "nothing_missing":
-        return f"nothing is missing ({percent(chances[NOTHING])}){_bent(diagnosis)}{_elsewhere(diagnosis)}"
+        return f"nothing is missing ({percent(chances[NOTHING])}){_bent(diagnosis)}{_held_out(diagnosis)}"
     if diagnosis.verdict == "missing":
-        return f"missing: {_found(diagnosis)}; {_left(diagnosis.left)}{_where(diagnosis)}{_elsewhere(diagnosis)}"
+        return f"missing: {_found(diagnosis)}; {_left(diagnosis.left)}{_where(diagnosis)}{_held_out(diagnosis)}"
     first = diagnosis.ranking[0]
     if first.probability > chances[UNKNOWN]:
         return f"unknown: {_too_little(first)}{_depends(diagnosis)}"
@@ -64,8 +64,8 @@ def _too_little(first: Ranked) -> str:
 def _depends(diagnosis: Diagnosis) -> str:
     if not diagnosis.depends_on:
         return ""
-    channel, coordinate, _ = diagnosis.depends_on[0]
-    return f", depends most on: {channel}: {coordinate}"
+    channel, coordinate, share = diagnosis.depends_on[0]
+    return f", depends most on: {channel}: {coordinate} ({percent(share)} of it)"
 
 
 def _nearest(first: Ranked) -> str:
@@ -73,6 +73,12 @@ def _nearest(first: Ranked) -> str:
     if first.held_out_gain is None or first.left > WORTH_SAYING:
         return ""
     return f". The nearest is {spoken(first.effect)} ({first.law}), which would leave {_share(first.left)}"
+
+
+def _held_out(diagnosis: Diagnosis) -> str:
+    """What is said where the held-out error is not what the first words promise."""
+    off = still_off(diagnosis.error_after, diagnosis.noise_floor)
+    return _elsewhere(diagnosis) or (f"; but {off}: see `testbench compare`" if off else "")
 
 
 def _elsewhere(diagnosis: Diagnosis) -> str:
@@ -84,7 +90,8 @@ def _elsewhere(diagnosis: Diagnosis) -> str:
         return ""
     fails = f" in this recording, but held out the error of the {worst} is {times[worst]:.0f} times as large: "
     if diagnosis.found:
-        return f"{fails}what was found does not carry over, and another mechanism may be the cause"
+        other = "Another mechanism may be the cause, or what the specimen had gone through before"
+        return f"{fails}what was found does not carry over. {other}"
     return (
         f"{fails}that recording shows what this one does not. Diagnose it as well, or one that has the motion of both"
     )

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from testbench.comparing.numbers import plain
-from testbench.comparing.words import MANY, listed, percent, percent_left, spoken
+from testbench.comparing.words import MANY, listed, percent, percent_left, spoken, still_off
 from testbench.measurements.responses import UNIT_OF
 
 PANEL_UNITS = {**UNIT_OF, "resistance": "kΩ"}  # of an axis or a table, by what it shows
@@ -34,6 +34,8 @@ def verdict_in_words(diagnosis: Mapping[str, Any]) -> str:
     said = f"Nothing is missing that these recordings could show{_bracketed(probability)}."
     if bend := diagnosis.get("bends_like"):
         said += f" But a law of the base is bent as {with_probability(diagnosis, bend)} would bend it."
+    if off := still_off(diagnosis["error_after"], diagnosis["noise_floor"]):
+        said += f" But {off}."
     return said
 
 
@@ -52,7 +54,10 @@ def _bracketed(probability: float | None) -> str:
 
 
 def _depends(diagnosis: Mapping[str, Any]) -> str:
-    most = [f"{entry['channel']} on {spoken(entry['coordinate'])}" for entry in diagnosis.get("depends_on", [])[:2]]
+    most = [
+        f"{entry['channel']} on {spoken(entry['coordinate'])} ({percent(entry['gain'])} of it)"
+        for entry in diagnosis.get("depends_on", [])[:2]
+    ]
     return f" What is left depends most on this: {'; '.join(most)}." if most else ""
 
 
@@ -64,7 +69,8 @@ def _missing(diagnosis: Mapping[str, Any]) -> str:
     tied = [with_probability(diagnosis, name) for name in diagnosis.get("tied", []) if name != found[0]["effect"]]
     left = error_left(first) if len(found) == 1 else ""
     sentence = f"The model is missing {', then '.join(names)}"
-    sentence += f": with it {left} of the held-out error is left." if left else "."
+    mean = ", the mean of the channels," if len(diagnosis["error_before"]) > 1 else ""
+    sentence += f": with it {left} of the held-out error{mean} is left." if left else "."
     sentence += f" In all, {error_fall(diagnosis['error_before'], diagnosis['error_after'])}."
     if tied:
         which = "it" if len(found) == 1 else spoken(found[0]["effect"])

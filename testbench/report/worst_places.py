@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcode.support.arrays import FloatArray
+from testbench.comparing.numbers import over_noise
 from testbench.comparing.words import NOISE_REACHED, no_place_in_words
 from testbench.report.downsample import liveliest
 
@@ -79,7 +80,9 @@ def in_cell(place: Mapping[str, Any], where: Mapping[str, FloatArray]) -> NDArra
 
 def why_no_place(channels: Mapping[str, Mapping[str, Any]]) -> str:
     """Why no worst place is named, as a sentence; `channels` of ``testbench compare --json``."""
-    said = no_place_in_words({name: entry["over_noise"] for name, entry in channels.items()})
+    over = {name: entry["over_noise"] for name, entry in channels.items()}
+    quick = {name: over_noise(entry["quick"], entry["noise_floor"]) for name, entry in channels.items()}
+    said = no_place_in_words(over, quick)
     return f"{said[0].upper()}{said[1:]}."
 
 

@@ -17,7 +17,6 @@ from testbench.report.figures.recording_figures import line
 from testbench.report.words import NOT_REFITTED, PANEL_UNITS, with_probability
 
 SHOWN = 8
-VISIBLE = 0.01  # share of the residual's squares; less is not worth a bar
 SCATTER_BINS = 24
 CANDIDATES_CAPTION = (
     "What a refit with each effect takes off the error on samples that no fit has seen, with the 95 % interval over "
@@ -91,7 +90,7 @@ def _colour(diagnosis: Mapping[str, Any], number: int) -> str:
 
 def dependence(diagnosis: Mapping[str, Any]) -> style.Figure | None:
     """What the final model's residual depends on, force and conductance apart; None when it depends on nothing."""
-    found = [entry for entry in diagnosis.get("depends_on", []) if entry["gain"] >= VISIBLE][:SHOWN]
+    found = diagnosis.get("depends_on", [])[:SHOWN]
     if not found:
         return None
     names = [f"{entry['channel']} on {spoken(entry['coordinate'])}" for entry in found]

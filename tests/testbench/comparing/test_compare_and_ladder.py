@@ -8,6 +8,7 @@ import pytest
 from gcode.support.errors import UserError
 from testbench.comparing.compare import _cell, compare, residual_maps
 from testbench.comparing.ladder import fitted_file, idle_effects, undo
+from testbench.comparing.model_errors import noise_floors
 from testbench.comparing.residual_coordinates import coordinates
 from testbench.diagnosis.adding import add_effect
 from testbench.measurements.preparing import prepare
@@ -55,6 +56,13 @@ def test_a_right_model_has_no_bad_places():
     cells = [cell for maps in result.maps.values() for found in maps.values() for cell in found]
     assert sum(abs(cell.t) > 3 for cell in cells) <= 1 < len(cells) / 50
     assert not result.worst
+
+
+def test_a_hum_between_the_points_of_the_grid_is_not_called_a_few_peaks():
+    plain = record(truth(), rate_hz=500.0)
+    hum = 20 * noise_floors(prepare(plain))["force"] * np.sin(2 * np.pi * 50.0 * plain.time_s)
+    (said,) = compare(truth(), prepare(with_force(plain, plain["force_N"] + hum))).places
+    assert said == "the error of the force comes and goes too quickly for any effect: a hum, or coloured noise"
 
 
 def test_maps_hold_every_sample_once_and_their_means_make_up_the_residual():

@@ -46,7 +46,11 @@ def test_a_modelled_conductance_is_off_by_a_share_of_the_measured(measured_over_
 
 
 def test_an_error_without_a_place_is_not_called_noise() -> None:
-    assert no_place_in_words({"force": 1.05, "conductance": 1.1}) == "no place stands out from the noise"
-    assert no_place_in_words({"force": 1.0, "conductance": 12.2}) == (
+    quick = {"force": 1.0, "conductance": 0.9}
+    assert no_place_in_words({"force": 1.05, "conductance": 1.1}, quick) == "no place stands out from the noise"
+    assert no_place_in_words({"force": 1.0, "conductance": 12.2}, quick) == (
         "the error of the conductance is spread out or in a few peaks: no single place can be named"
+    )
+    assert no_place_in_words({"force": 1.0, "conductance": 12.2}, {"force": 1.0, "conductance": 12.0}) == (
+        "the error of the conductance comes and goes too quickly for any effect: a hum, or coloured noise"
     )

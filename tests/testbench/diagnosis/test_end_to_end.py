@@ -66,6 +66,7 @@ def test_what_is_hidden_is_named_and_explains_the_error():
     for channel, floor in result.noise_floor.items():
         assert result.error_after[channel] < min(2.0 * floor, result.error_before[channel] / 4)
     assert result.left < 0.1
+    assert all(share >= 0.01 for *_, share in result.depends_on)
 
 
 def test_probabilities_are_of_nothing_unknown_and_every_mechanism_and_sum_to_one():

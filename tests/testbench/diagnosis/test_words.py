@@ -10,7 +10,14 @@ from testbench.diagnosis.result import Found
 from testbench.diagnosis.words import first_line
 
 
-def line(verdict: str, held_out: float = 0.01, bends_like: str = "", first: float = 0.1, left: float = 0.7) -> str:
+def line(
+    verdict: str,
+    held_out: float = 0.01,
+    bends_like: str = "",
+    first: float = 0.1,
+    left: float = 0.7,
+    floor: float = 0.01,
+) -> str:
     """Of a diagnosis whose final model leaves 0.01 N on its own recording."""
     found = (Found("cyclic_fatigue", "cyclic_fatigue_log", 0.78, 60.0),) if verdict == "missing" else ()
     errors = {"calibration": {"force": 0.01}, "held_out": {"force": held_out}}
@@ -28,6 +35,8 @@ def line(verdict: str, held_out: float = 0.01, bends_like: str = "", first: floa
             bends_like=bends_like,
             depends_on=[("force", "elapsed time", 0.5)],
             left=0.0,
+            error_after=errors["held_out"],
+            noise_floor={"force": floor},
             after=SimpleNamespace(history=[{"errors": errors}]),
         )
     )
@@ -59,6 +68,8 @@ def test_what_explains_one_channel_says_where_the_rest_is():
             found=(lag,),
             tied=(),
             left=0.66,
+            error_after=steps[-1][1],
+            noise_floor={"force": 0.005, "conductance": 0.02},
             after=SimpleNamespace(history=history),
         )
     )
@@ -73,6 +84,17 @@ def test_where_nothing_is_missing_the_other_recording_shows_more():
     )
 
 
+def test_an_error_far_above_the_noise_is_told_whatever_is_left_of_it_where_the_diagnosis_looks():
+    """A hum that comes and goes more quickly than that; its alias was found."""
+    assert line("missing", 0.014, floor=0.002) == (
+        "missing: cyclic fatigue (78 %); less than 1 % of the error above the noise is left; but the error of the "
+        "force is 7 times its noise floor: see `testbench compare`"
+    )
+    assert line("nothing_missing", 0.014, floor=0.002) == (
+        "nothing is missing (80 %); but the error of the force is 7 times its noise floor: see `testbench compare`"
+    )
+
+
 def test_a_law_of_the_base_that_is_bent_is_told_where_nothing_is_missing():
     assert line("nothing_missing") == "nothing is missing (80 %)"
     said = line("nothing_missing", bends_like="yarn_elongation")
@@ -81,8 +103,9 @@ def test_a_law_of_the_base_that_is_bent_is_told_where_nothing_is_missing():
 
 def test_unknown_names_what_is_nearest():
     assert line("unknown") == (
-        "unknown (30 %): structure remains that no effect of the catalogue explains, depends most on: force: elapsed "
-        "time. The nearest is permanent set (ratchet), which would leave 70 % of the error above the noise"
+        "unknown (30 %): structure remains that no effect of the catalogue explains, depends most on: force: "
+        "elapsed time (50 % of it). The nearest is permanent set (ratchet), which would leave 70 % of the error "
+        "above the noise"
     )
     assert "nearest" not in line("unknown", left=0.9)
 
@@ -90,5 +113,5 @@ def test_unknown_names_what_is_nearest():
 def test_what_is_probable_but_explains_too_little_is_not_called_unlikely():
     assert line("unknown", first=0.8) == (
         "unknown: permanent set (80 %) is probable, but leaves 70 % of the error above the noise, depends most on: "
-        "force: elapsed time"
+        "force: elapsed time (50 % of it)"
     )

@@ -292,8 +292,6 @@ def test_the_named_effect_and_those_tied_with_it_stand_out() -> None:
 
 def test_nothing_left_to_depend_on_is_no_figure() -> None:
     assert diagnosis_figures.dependence({"depends_on": []}) is None
-    little = {"channel": "force", "coordinate": "strain", "gain": 1e-4}
-    assert diagnosis_figures.dependence({"depends_on": [little]}) is None
 
 
 @pytest.mark.parametrize(
@@ -301,20 +299,25 @@ def test_nothing_left_to_depend_on_is_no_figure() -> None:
     [
         (
             "missing",
-            "The model is missing stress relaxation (61 %): with it 38 % of the held-out error is left. In all, the "
-            "held-out error of the force goes from 0.120 to 0.0110 N, that of the conductance from 0.0310 to 0.00240 "
-            "ln S. These recordings cannot tell it from load cell creep (36 %).",
+            "The model is missing stress relaxation (61 %): with it 38 % of the held-out error, the mean of the "
+            "channels, is left. In all, the held-out error of the force goes from 0.120 to 0.0110 N, that of the "
+            "conductance from 0.0310 to 0.00240 ln S. These recordings cannot tell it from load cell creep (36 %).",
         ),
         (
             "unknown",
             "Something is missing that no effect of the catalogue explains (88 %). What is left depends most on "
-            "this: force on elapsed time.",
+            "this: force on elapsed time (70 % of it).",
         ),
         ("nothing_missing", "Nothing is missing that these recordings could show (92 %)."),
     ],
 )
 def test_a_verdict_is_a_sentence(verdict: str, sentence: str) -> None:
     assert words.verdict_in_words(samples.diagnosis(verdict)) == sentence
+
+
+def test_nothing_missing_does_not_hide_an_error_far_above_the_noise() -> None:
+    hum = samples.diagnosis("nothing_missing") | {"error_after": {"force": 0.014}, "noise_floor": {"force": 0.002}}
+    assert words.verdict_in_words(hum).endswith("(92 %). But the error of the force is 7 times its noise floor.")
 
 
 def test_a_verdict_says_what_is_near_the_truth() -> None:
