@@ -25,9 +25,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--rest-s",
         type=rest,
-        default=60.0,
         metavar="S",
-        help="rest between several recordings (default 60)",
+        help="rest between several recordings (default 60); with one, --held-out is of the same specimen, so long "
+        "after it (default: of a fresh one)",
     )
     parser.add_argument("--model", metavar="M", help="diagnose this model.json instead of the baseline")
     add_clamp_play(parser, "--held-out (and for each of several recordings)")

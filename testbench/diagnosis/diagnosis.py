@@ -28,7 +28,7 @@ def diagnose(
     progress: Progress | None = None,
     most: int = constants.ROUNDS,
     clamp_play_mm: float = 0.0,
-    rest_s: float = REST_S,
+    rest_s: float | None = None,
 ) -> Diagnosis:
     """Find out which physical effects a model is missing.
 
@@ -51,8 +51,9 @@ def diagnose(
     clamp_play_mm : float
         The sensor was clamped anew for `held_out`, and for each of several recordings: the zero of its displacement
         is free, within so many mm.
-    rest_s : float
-        Between several recordings.
+    rest_s : float, optional
+        Between several recordings; default 60 s. Where it is given for one recording, `held_out` is of the same
+        specimen, so long after it; by default it is of a fresh one.
 
     Raises
     ------
@@ -70,21 +71,29 @@ def diagnose(
 
 
 def calibration_and_held_out(
-    recordings: Sequence[Recording], held_out: Recording | None, clamp_play_mm: float = 0.0, rest_s: float = REST_S
+    recordings: Sequence[Recording],
+    held_out: Recording | None,
+    clamp_play_mm: float = 0.0,
+    rest_s: float | None = None,
 ) -> tuple[Measurement, Measurement]:
-    """What is calibrated on, one history of all recordings, and what is held out, which comes after them."""
+    """What is calibrated on, one history of all recordings, and what is held out; parameters as of `diagnose`.
+
+    What is held out comes after several recordings, and after one where the rest before it was given.
+    """
     calibration, held = split(recordings[0], held_out, clamp_play_mm=clamp_play_mm)
-    if len(recordings) > 1:
-        if held_out is None:
-            raise UserError("several recordings are one history: give another one to judge on as `held_out`")
-        if not 0 < rest_s < MOST_REST_S:
-            raise UserError(f"rest_s: must be more than 0 and less than {MOST_REST_S:g} s, got {rest_s:g}")
-        rests_s = [rest_s] * len(recordings)
-        calibration = joined(recordings, rests_s[1:], clamp_play_mm)
-        if calibration.channels != held.channels:
-            shared, needed = (", ".join(one.channels) or "no channel" for one in (calibration, held))
-            raise UserError(
-                f"the recordings share {shared}, but {held.recording.source} has {needed}; all need the same channels"
-            )
-        held = last_of([*recordings, held_out], rests_s, clamp_play_mm)
-    return calibration, held
+    if len(recordings) == 1 and rest_s is None:
+        return calibration, held
+    if held_out is None:
+        why = "several recordings are one history" if len(recordings) > 1 else "a rest comes before another recording"
+        raise UserError(f"{why}: give another one to judge on as `held_out`")
+    rest_s = REST_S if rest_s is None else rest_s
+    if not 0 < rest_s < MOST_REST_S:
+        raise UserError(f"rest_s: must be more than 0 and less than {MOST_REST_S:g} s, got {rest_s:g}")
+    rests_s = [rest_s] * len(recordings)
+    calibration = joined(recordings, rests_s[1:], clamp_play_mm)
+    if calibration.channels != held.channels:
+        shared, needed = (", ".join(one.channels) or "no channel" for one in (calibration, held))
+        raise UserError(
+            f"the recordings share {shared}, but {held.recording.source} has {needed}; all need the same channels"
+        )
+    return calibration, last_of([*recordings, held_out], rests_s, clamp_play_mm)

@@ -160,7 +160,7 @@ def diagnose(
     most: int = ROUNDS,
     gauge_length_mm: float | None = None,
     clamp_play_mm: float = 0.0,
-    rest_s: float = REST_S,
+    rest_s: float | None = None,
     progress: Tell | bool | None = None,
 ) -> DiagnosisResult:
     """Find out which physical effects a model is missing.
@@ -183,8 +183,10 @@ def diagnose(
     clamp_play_mm : float
         The sensor was clamped anew for `held_out`, and for each of several recordings: the zero of its displacement
         is free, within so many mm. Default: as the model was fitted.
-    rest_s : float
-        Rest between several recordings, in which the strain goes from where one ended to where the next begins.
+    rest_s : float, optional
+        Rest between several recordings, in which the strain goes from where one ended to where the next begins;
+        default 60 s. Where it is given for one recording, `held_out` is of the same specimen, so long after it; by
+        default it is of a fresh one.
     progress : callable or bool, optional
         See `testbench.api.progress.telling`.
 
@@ -228,16 +230,16 @@ def _error_left(one: Ranked) -> dict[str, float]:
     return {name: percent_left(value) / 100 for name, value in zip(names, (gain, high, low), strict=True)}
 
 
-def check_one_history(recordings: Sequence[Recording], held: Recording | None, rest_s: float) -> None:
+def check_one_history(recordings: Sequence[Recording], held: Recording | None, rest_s: float | None) -> None:
     """Refuse several recordings that cannot be one history: given twice, too much for one grid, or without a rest.
 
     Raises
     ------
     UserError
     """
-    number("rest_s", rest_s, 0)
-    if len(recordings) < 2:
+    if len(recordings) < 2 and rest_s is None:
         return
+    rest_s = number("rest_s", REST_S if rest_s is None else rest_s, 0)
     every = [*recordings, *([] if held is None else [held])]
     check_distinct(
         every,

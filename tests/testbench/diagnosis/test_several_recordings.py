@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ import testbench as tb
 from gcode.support.errors import UserError
 from testbench.cli import main
 from testbench.diagnosis import diagnose
+from testbench.diagnosis.diagnosis import calibration_and_held_out
 from testbench.knit.kinematics.mounting import DisplacementZeros, ForceZeros
 from testbench.knit.mechanics.damage import MullinsSoftening
 from testbench.measurements.joining import joined, last_of
@@ -39,6 +41,12 @@ def pulls(count: int) -> list[Recording]:
         channels["displacement_mm"] = channels["displacement_mm"] - SHIFTS_MM[number]
         made.append(Recording(whole.time_s[rows] - begin, channels, GAUGE_LENGTH_MM, f"pull {number + 1}"))
     return made
+
+
+def unshifted(count: int) -> Iterator[tuple[Recording, np.ndarray]]:
+    """The pulls, and the displacement of each as it was before its zero was lost."""
+    for one, shift_mm in zip(pulls(count), SHIFTS_MM, strict=False):
+        yield one, one["displacement_mm"] + shift_mm
 
 
 def test_zeros_shift_each_recording_but_the_first():
@@ -79,6 +87,23 @@ def test_the_last_recording_comes_after_the_others():
     assert held.recording.source == "pull 3"
     assert held.counts[held.signals["time_s"] > held.begins_s[-1] + 3.1].all()
     assert not held.counts[held.signals["time_s"] < held.begins_s[-1]].any()
+
+
+def test_one_that_is_held_out_after_a_rest_is_of_a_softened_knit():
+    """The true model is at the noise of it, and far from it where it is taken for a fresh one."""
+    first, second = (replace(one, channels={**one.channels, "displacement_mm": mm}) for one, mm in unshifted(2))
+    noise_N = float(np.std(np.diff(second["force_N"][-100:]))) / np.sqrt(2)
+    left = []
+    for rest_s in (REST_S, None):
+        calibration, held = calibration_and_held_out([first], second, rest_s=rest_s)
+        assert calibration.recording.source == "pull 1"
+        left.append(float(np.std(held.residual(SOFTENS)["force"][held.counts])))
+    assert left[0] < 2 * noise_N < 5 * noise_N < left[1]
+
+
+def test_a_rest_is_one_before_another_recording():
+    with pytest.raises(UserError, match="a rest comes before another recording: give another one to judge on as"):
+        tb.diagnose(pulls(1)[0], rest_s=30.0)
 
 
 def test_recordings_of_another_gauge_length_are_no_history():
