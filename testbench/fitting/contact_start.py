@@ -19,6 +19,7 @@ SHARES = (0.0, 1.0, 0.5)  # of the strain in what the contacts feel
 STILL_SEEN = 0.02  # of the resistance or conductance, in series or parallel: less than that hardly shows
 PRELOAD = 0.07  # of the range of the force: how much the contacts of a resting knit usually feel
 PRELOADS = (0.001, 30.0)  # of that range, at least and at most: beyond, the law does not change any more
+SMALLEST_N = 1e-9  # range of a force that does not change
 NARROWEST = 0.1  # of a parameter's range, in its logarithm, where the resistance is beyond all that is allowed
 CLEARLY_LESS = 0.8  # of the misfit of the usual start: where a less usual one has less, it is taken
 
@@ -89,8 +90,9 @@ def _fitted(contact: Effect, pressing: FloatArray, log_g: FloatArray) -> tuple[E
     for key, least in (("series_ohm", STILL_SEEN * median_ohm), ("parallel_S", STILL_SEEN / median_ohm)):
         at_most = high[keys.index(key)] - NARROWEST
         low[keys.index(key)] = np.clip(np.log(least), low[keys.index(key)], at_most)
-    load = keys.index("preload_N")
-    low[load], high[load] = np.clip(np.log(np.multiply(PRELOADS, np.ptp(pressing))), low[load], high[load])
+    load, preloads_N = keys.index("preload_N"), np.multiply(PRELOADS, max(float(np.ptp(pressing)), SMALLEST_N))
+    low[load] = np.clip(np.log(preloads_N[0]), low[load], high[load] - NARROWEST)
+    high[load] = np.clip(np.log(preloads_N[1]), low[load] + NARROWEST, high[load])
     signals = {"contact_force_N": pressing}
 
     def at(x: FloatArray) -> Effect:
@@ -99,6 +101,6 @@ def _fitted(contact: Effect, pressing: FloatArray, log_g: FloatArray) -> tuple[E
     def misfit(x: FloatArray) -> FloatArray:
         return np.log(at(x).apply(signals, 1.0)["conductance_S"]) - log_g
 
-    start = np.log([getattr(contact, key) for key in keys])
+    start = np.clip(np.log([getattr(contact, key) for key in keys]), low, high)
     found = least_squares(misfit, start, bounds=(low, high), loss="soft_l1", f_scale=0.05, max_nfev=60)
     return at(found.x), float(found.cost)
