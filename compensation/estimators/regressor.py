@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Hashable
 from dataclasses import dataclass
-from numbers import Integral, Real
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +25,7 @@ from compensation.training.options import HIGHEST_SEED, Options
 from compensation.training.training import METHODS
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
+from gcode.support.kinds import is_number
 
 RIDGE = "ridge"
 EVERY_METHOD = (*METHODS, RIDGE)
@@ -169,11 +170,11 @@ class Compensator(RegressorMixin, BaseEstimator):
                 f"method must be one of {', '.join(EVERY_METHOD)} and target one of {', '.join(TARGETS)}, "
                 f"got {self.method!r} and {self.target!r}"
             )
-        if not (_is(Real, self.rate_hz) and SMALLEST_RATE_HZ <= self.rate_hz <= LARGEST_RATE_HZ):
+        if not (is_number(self.rate_hz) and SMALLEST_RATE_HZ <= self.rate_hz <= LARGEST_RATE_HZ):
             raise ValueError(
                 f"rate_hz must be a number from {SMALLEST_RATE_HZ:g} to {LARGEST_RATE_HZ:g}, got {self.rate_hz!r}"
             )
-        if not (_is(Integral, self.seed) and 0 <= self.seed <= HIGHEST_SEED):
+        if not (is_number(self.seed, Integral) and 0 <= self.seed <= HIGHEST_SEED):
             raise ValueError(f"seed must be a whole number from 0 to {HIGHEST_SEED}, got {self.seed!r}")
 
     def _reason_for_ridge(self, X: FloatArray, y: FloatArray) -> str:
@@ -228,11 +229,6 @@ class _Ridge:
     def predict(self, X: FloatArray) -> FloatArray:
         """Target of one recording's rows."""
         return _memories((X - self.mean) / self.scale, self.rate_hz) @ self.weights + self.bias
-
-
-def _is(kind: type, value: object) -> bool:
-    """Whether it is a number of the kind; True and False are none."""
-    return isinstance(value, kind) and not isinstance(value, bool)
 
 
 def _memories(standardised: FloatArray, rate_hz: float) -> FloatArray:

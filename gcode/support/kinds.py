@@ -28,6 +28,11 @@ def path_of(path: str | Path, what: str = "file") -> Path:
     return Path(path)
 
 
+def is_number(value: Any, kind: type = Real) -> bool:
+    """Whether it is a number of the kind (`Real`, `Integral`), of Python or of numpy; True and False are none."""
+    return isinstance(value, kind) and not isinstance(value, bool)
+
+
 def number(name: str, value: Any, least: float | None = None) -> float:
     """A number that was given, of Python or of numpy.
 
@@ -44,7 +49,7 @@ def number(name: str, value: Any, least: float | None = None) -> float:
     UserError
         If it is none, or less than `least`.
     """
-    if isinstance(value, bool) or not isinstance(value, Real) or not (least is None or float(value) >= least):
+    if not is_number(value) or not (least is None or float(value) >= least):
         allowed = "" if least is None else f" of {least:g} or more"
         raise UserError(f"{name} must be a number{allowed}, got {value!r}")
     return float(value)
@@ -58,7 +63,7 @@ def whole(name: str, value: Any, least: int) -> int:
     UserError
         If it is none, or less than `least`.
     """
-    if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
+    if not is_number(value, Integral) or value < least:
         raise UserError(f"{name} must be a whole number, {least} or more, got {value!r}")
     return int(value)
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from numbers import Integral, Real
+from numbers import Integral
 
 import numpy as np
 
 from gcode.motion.limits import drive_within, sampled_positions
 from gcode.motion.path import Frame, Path, join, way
 from gcode.support.errors import UserError
+from gcode.support.kinds import is_number
 from gcode.trajectories.bounds import Limits, excesses
 from gcode.trajectories.quantities import LARGEST_SEED, MAX_SAMPLES
 from gcode.trajectories.trajectory import Trajectory, TrajectorySpec, position_decimals, sampled
@@ -89,13 +90,12 @@ def whole_path(
 
 def check_request(spec: TrajectorySpec, seed: int, gauge_length_mm: float) -> None:
     """Refuse a gauge length, a seed or a length of run that cannot be planned."""
-    is_number = isinstance(gauge_length_mm, Real) and not isinstance(gauge_length_mm, bool)
-    is_length = is_number and np.isfinite(gauge_length_mm)
+    is_length = is_number(gauge_length_mm) and np.isfinite(gauge_length_mm)
     if not (is_length and SHORTEST_GAUGE_MM <= gauge_length_mm <= LONGEST_GAUGE_PLANNED_MM):
         came = f"{gauge_length_mm:g} mm" if is_length else repr(gauge_length_mm)
         allowed = f"{SHORTEST_GAUGE_MM:g} to {LONGEST_GAUGE_PLANNED_MM:g} mm"
         raise UserError(f"gauge length must be {allowed}, got {came}")
-    if isinstance(seed, bool) or not (isinstance(seed, Integral) and 0 <= seed <= LARGEST_SEED):
+    if not (is_number(seed, Integral) and 0 <= seed <= LARGEST_SEED):
         raise UserError(f"seed must be a whole number from 0 to {LARGEST_SEED}, got {seed!r}")
     _check_samples(sum(getattr(piece, "duration_s", 0.0) for piece in spec.pieces) * spec.rate_hz)
     strokes = sum(piece.strokes for piece in spec.pieces)

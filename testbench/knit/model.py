@@ -11,7 +11,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from gcode.support.html import table
-from gcode.support.read_only import Unchanging
+from gcode.support.read_only import ReadOnly, Unchanging
 from testbench.knit.additive import AdditiveLaw
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of
@@ -57,7 +57,8 @@ class KnitModel(Unchanging):
                     f"KnitModel: {name!r} must name an effect, as testbench.effects.StressRelaxation(fraction=0.2), "
                     f"got {type(effect).__name__}"
                 )
-        super().__post_init__()
+        # What is in it is frozen itself, and a fit makes many models.
+        object.__setattr__(self, "effects", ReadOnly(self.effects))
 
     @classmethod
     def of(cls, *effects: Effect) -> KnitModel:

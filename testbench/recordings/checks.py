@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from numbers import Real
 
 import numpy as np
 
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
+from gcode.support.kinds import is_number
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME
 
 # Far beyond any tester: what lies outside is another unit, or a broken file, and would only overflow later.
@@ -95,7 +95,7 @@ def known_length(gauge_length_mm: float | None, source: str) -> float:
 
 def check_gauge_length(gauge_length_mm: float, source: str) -> None:
     """Raise `UserError`, which names `source`, unless it is a length that a sample can have."""
-    if isinstance(gauge_length_mm, bool) or not isinstance(gauge_length_mm, Real):
+    if not is_number(gauge_length_mm):
         kind = type(gauge_length_mm).__name__
         raise UserError(f"{source}: the gauge length must be a number of mm, got {gauge_length_mm!r} ({kind})")
     if not 0 < gauge_length_mm <= LONGEST_GAUGE_MM:

@@ -11,14 +11,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-from gcode.support.kinds import number, whole
+from gcode.support.kinds import is_number, number, whole
 from gcode.support.read_only import Unchanging, read_only_array
 from testbench.recordings.channels import DISPLACEMENT, RESISTANCE, TIME
 from testbench.recordings.checks import check
@@ -268,7 +267,7 @@ class Recording(Unchanging):
             If the rate is no number above 0; if most of that grid would be made up: more than a million points in
             gaps. A gap of a day is a gap; see `segments`. So, too, if it would have more than 20 million points.
         """
-        if isinstance(rate_hz, bool) or not isinstance(rate_hz, Real) or not rate_hz > 0:
+        if not is_number(rate_hz) or not rate_hz > 0:
             raise UserError(f"{self.source}: the rate must be a number of Hz above 0, got {rate_hz!r}")
         count = int(np.floor(min(self.duration_s * rate_hz, 1e18) * (1 + 1e-12))) + 1
         made_up = rate_hz * self.missing_s

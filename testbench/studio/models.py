@@ -185,7 +185,8 @@ def is_fresh(studio: Studio, c: str, diagnosis: Mapping[str, Any] | None = None)
 
 def is_last(studio: Studio, c: str, begun: Mapping[str, Any]) -> bool:
     """Whether the step that a question began with is the last one of the ladder of a campaign."""
-    mine, steps = about_model(model_path(studio, c)), history_of(studio, c)
+    mine = about_model(model_path(studio, c))
+    steps = mine.get("history", [])
     return bool(steps) and made_of(begun, steps[-1], undone=not mine.get("fit"))
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.etree.ElementTree import ParseError
 
+from gcode.support import kinds
 from gcode.support.errors import UserError
 from testbench.importing.files import unpacking
 from testbench.importing.files.unpacking import BROKEN, check_unpacked
@@ -189,19 +190,15 @@ def _shown(cell: Any) -> str:
     return str(cell)
 
 
-def _is_stored_number(cell: Any) -> bool:
-    return isinstance(cell, int | float) and not isinstance(cell, bool)
-
-
 def _typed(cells: list[Any]) -> pd.Series:
     import pandas as pd
 
-    if all(cell is None or _is_stored_number(cell) for cell in cells):
+    if all(cell is None or kinds.is_number(cell) for cell in cells):
         return pd.Series(cells, dtype="float64")
     if all(cell is None or isinstance(cell, datetime.datetime) for cell in cells):
         return pd.to_datetime(pd.Series(cells))
     if all(cell is None or isinstance(cell, datetime.timedelta) for cell in cells):
         return pd.to_timedelta(pd.Series(cells))
     return pd.Series(
-        [cell if cell is None or _is_stored_number(cell) else _shown(cell) for cell in cells], dtype=object
+        [cell if cell is None or kinds.is_number(cell) else _shown(cell) for cell in cells], dtype=object
     )

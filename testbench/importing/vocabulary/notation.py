@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gcode.support import kinds
 from testbench.recordings.csv_columns import as_numbers
 
 if TYPE_CHECKING:
@@ -141,7 +142,7 @@ def numbers(cells: pd.Series, decimal: str, thousands: str | None = None) -> tup
         plain = plain.mask(pointed, "?").str.replace(",", ".", regex=False)
     values = pd.to_numeric(plain, errors="coerce")
     if cells.dtype == object:  # beside texts, what is a number already has no decimal sign
-        stored = cells.map(lambda cell: isinstance(cell, int | float) and not isinstance(cell, bool))
+        stored = cells.map(kinds.is_number)
         values = values.mask(stored, as_numbers(cells))
     wrong = np.flatnonzero((values.isna() & text.notna()).to_numpy())
     return values.to_numpy(dtype=np.float64, na_value=np.nan), int(wrong[0]) if wrong.size else None
