@@ -57,16 +57,34 @@ def test_the_sample_says_something():
     assert plain().found[0].effect == "stress_relaxation"
 
 
+def backwards(catalogue: Catalogue) -> Catalogue:
+    return Catalogue(dict(reversed(catalogue.effects.items())))
+
+
+def with_bystander(catalogue: Catalogue) -> Catalogue:
+    return Catalogue({**catalogue.effects, "bystander": Bystander})
+
+
+def later(parts: tuple[Recording, Recording]) -> list[Recording]:
+    return [replace(part, time_s=part.time_s + 4000.0) for part in parts]
+
+
+def test_neither_order_nor_an_idle_effect_nor_the_origin_of_time_matters():
+    """All three at once, for a diagnosis takes long; each by itself is among the slow tests."""
+    catalogue = backwards(with_bystander(CATALOGUE))
+    same(plain(), diagnose(*later(recordings()), catalogue=catalogue, most=1))
+
+
+@pytest.mark.slow
 def test_the_order_of_the_catalogue_does_not_matter():
-    backwards = Catalogue(dict(reversed(CATALOGUE.effects.items())))
-    same(plain(), diagnose(*recordings(), catalogue=backwards, most=1))
+    same(plain(), diagnose(*recordings(), catalogue=backwards(CATALOGUE), most=1))
 
 
+@pytest.mark.slow
 def test_an_effect_that_cannot_act_on_what_was_recorded_does_not_matter():
-    more = Catalogue({**CATALOGUE.effects, "bystander": Bystander})
-    same(plain(), diagnose(*recordings(), catalogue=more, most=1))
+    same(plain(), diagnose(*recordings(), catalogue=with_bystander(CATALOGUE), most=1))
 
 
+@pytest.mark.slow
 def test_the_origin_of_time_does_not_matter():
-    later = [replace(part, time_s=part.time_s + 4000.0) for part in recordings()]
-    same(plain(), diagnose(*later, catalogue=CATALOGUE, most=1))
+    same(plain(), diagnose(*later(recordings()), catalogue=CATALOGUE, most=1))
