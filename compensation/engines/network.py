@@ -64,13 +64,9 @@ class Network(Unchanging):
         *biases, last_bias = self.biases
         return Network((*weights, last_weight * factor), (*biases, last_bias * factor))
 
-    def to_dict(self) -> dict:
-        """Plain lists, for JSON."""
-        return {"weights": [w.tolist() for w in self.weights], "biases": [b.tolist() for b in self.biases]}
-
     @classmethod
     def from_lists(cls, weights: Sequence, biases: Sequence) -> Network:
-        """Inverse of `to_dict`.
+        """A network from nested lists, as JSON has them.
 
         Raises
         ------

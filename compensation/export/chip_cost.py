@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 
-from compensation.export.export_c_history import constants_bytes, multiplies, state_bytes
 from compensation.memories.ema import log_retention
 from compensation.model.compensator import TrainedCompensator
 
@@ -45,14 +44,15 @@ class Cost:
 
 def cost(compensator: TrainedCompensator) -> Cost:
     """Count bytes and multiplications."""
-    filters = len(compensator.alphas)
+    filters, history = len(compensator.alphas), compensator.history
+    motions, plays, remembers = len(history.motion_taus_s), len(history.play_radii), int(history.count > 0)
     weights = sum(matrix.size for network in compensator.networks for matrix in network.weights)
     widest = max(max(network.sizes, default=1) for network in compensator.networks)
-    nominal = weights + 4 * filters + 1 + multiplies(compensator.history)
+    constants = compensator.parameter_count + 5 * filters + 2 * compensator.input_count + 4
+    nominal = weights + 4 * filters + 1 + 2 * motions + plays + 2 * remembers
     return Cost(
-        constants_bytes=4 * (compensator.parameter_count + 5 * filters + 2 * compensator.input_count + 4)
-        + constants_bytes(compensator.history),
-        state_bytes=4 * (4 * filters + 4) + state_bytes(compensator.history),
+        constants_bytes=4 * (constants + 4 * motions + 3 * plays + remembers),
+        state_bytes=4 * (4 * filters + 4 + history.count + 2 * remembers),
         scratch_bytes=4 * (compensator.input_count + 2 * widest),
         multiplies=nominal,
         multiplies_any_step=nominal + _gains(compensator),

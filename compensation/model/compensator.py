@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from compensation.engines.network import Network, mean_output
-from compensation.memories.ema import smooth, smooth_irregular
+from compensation.memories.ema import smooth
 from compensation.memories.history import NO_HISTORY, History
 from compensation.model.ranges import Beginning, Seen
 from compensation.series.preprocessing import TARGETS, Series
@@ -161,12 +161,9 @@ class TrainedCompensator(Unchanging):
         begin = self.beginning if self.start == "causal" else None
         affine = None if begin is None else (begin.gain[:filters], begin.offset[:filters])
         time_s = np.asarray(time_s, dtype=np.float64)
-        if self.irregular or gaps_in(time_s):
-            steps_s = np.diff(time_s)
-            smoothed = smooth_irregular(values, time_s, self.alphas, self.rate_hz, self.start, affine)
-        else:
-            smoothed = smooth(values, self.alphas, self.rate_hz, self.start, affine)
-            steps_s = np.full(len(values) - 1, 1.0 / self.rate_hz)
+        uniform = not (self.irregular or gaps_in(time_s))
+        steps_s = np.full(len(values) - 1, 1.0 / self.rate_hz) if uniform else np.diff(time_s)
+        smoothed = smooth(values, self.alphas, self.rate_hz, self.start, affine, steps_s)
         held = None if begin is None else begin.gain[filters:] * values[0] + begin.offset[filters:]
         return np.hstack([smoothed, self.history.features(values, steps_s, held)])
 

@@ -232,3 +232,11 @@ def test_wrong_parameters_are_named(rows):
     for wrong in ({"method": "best"}, {"method": ["auto"]}, {"target": [1]}, {"target": {}}):
         with pytest.raises(ValueError, match=r"method must be one of auto.* target one of force, displacement, got"):
             Compensator(**wrong).fit(X, y)
+
+
+def test_a_constant_that_is_one_but_for_rounding_tells_nothing():
+    """The standard deviation of a thousand times 1e-6 is not quite zero, and nothing to divide by."""
+    y = np.random.default_rng(0).standard_normal(1000)
+    with pytest.warns(UserWarning, match="the conductance or the target is constant"):
+        model = Compensator(method="paper").fit(np.full((1000, 1), 1e-6), y)
+    np.testing.assert_allclose(model.predict(np.linspace(1e-6, 5e-6, 5)[:, None]), y.mean())
