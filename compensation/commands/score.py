@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import argparse
 
-from compensation.commands.common import add_gauge_length, add_recordings
+from compensation.commands.common import (
+    add_gauge_length,
+    add_recordings,
+    check_long_enough,
+    check_places,
+    finish,
+    read_all,
+)
 
 SUMMARY = "say how well a compensator predicts recordings that it has not seen"
 EXAMPLE = "compensation score pes.compensator.json campaigns/pes-A campaigns/pes-B --plot pes.png"
@@ -22,7 +29,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     import json
 
-    from compensation.commands.common import check_long_enough, check_places, finish, read_all
     from compensation.model.files import load
     from compensation.scoring.scorecard import score_recordings
     from gcode.support.files import write_text

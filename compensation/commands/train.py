@@ -6,6 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from compensation.commands.common import add_gauge_length, add_recordings
+from gcode.support.errors import UserError
 
 if TYPE_CHECKING:
     from compensation.model.compensator import TrainedCompensator
@@ -110,7 +111,6 @@ def _check_long_enough(args: argparse.Namespace, options: Options, recordings: l
     """A filter that remembers longer than the recording lasts never leaves its initial value."""
     from compensation.memories.ema import smoothing_factors
     from compensation.training.learners import COUNT, FACTOR
-    from gcode.support.errors import UserError
     from testbench.recordings.recording import recorded_duration_s
 
     bank = smoothing_factors(FACTOR, COUNT) if args.method == "auto" else options.bank
@@ -167,7 +167,6 @@ def _for_use(args: argparse.Namespace) -> str:
 
 def _check(args: argparse.Namespace) -> None:
     from compensation.training.options import HIGHEST_SEED
-    from gcode.support.errors import UserError
 
     chosen = _for_use(args)
     for name in OWN_CHOICES:
@@ -201,7 +200,6 @@ def _from_twin(args: argparse.Namespace, recordings: list[Recording], options: O
     from compensation.series.reading import UNKNOWN_LENGTH_MM
     from compensation.training import twin
     from gcode.support.console import Progress
-    from gcode.support.errors import UserError
     from testbench.results.model_file import load_model_file
 
     if len(recordings) != 1:

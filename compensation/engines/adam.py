@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compensation.engines.adam_kernels import epoch
 from compensation.engines.network import Network
@@ -61,17 +60,10 @@ def train_adam(
 ) -> tuple[Network, FloatArray]:
     """Train one network as `MLPRegressor(hidden_layer_sizes=sizes, alpha=l2, random_state=seed)` does.
 
-    Parameters
-    ----------
-    features, target : ndarray, shapes (n, k) and (n,)
-    batch : int
-        Rows a step; scikit-learn's is 200.
-    rate : float
-        Adam's learning rate; scikit-learn's is 0.001.
-    averaging : float
-        Share that the running mean of the weights, taken after each epoch, keeps of itself; that mean is returned.
-        0 returns the last weights, as scikit-learn does. The mean does not jump about the minimum as the weights do
-        (B. T. Polyak and A. B. Juditsky, Acceleration of stochastic approximation by averaging, 1992).
+    Rows a step (`batch`) and Adam's learning rate are scikit-learn's unless given. `averaging` is the share that the
+    running mean of the weights, taken after each epoch, keeps of itself; that mean is returned. 0 returns the last
+    weights, as scikit-learn does. The mean does not jump about the minimum as the weights do (B. T. Polyak and A. B.
+    Juditsky, Acceleration of stochastic approximation by averaging, 1992).
 
     Returns
     -------
@@ -87,7 +79,7 @@ def train_adam(
     mean, curve = flat, list[float]()
     order, best, stale, steps = np.arange(len(features)), np.inf, 0, 0
     while len(curve) < max_epochs and stale <= PATIENCE:
-        order = order[_permutation(rng, len(order))]
+        order = order[rng.permutation(len(order))]
         total, steps = epoch(features, target, order, widths_array, flat, first, second, steps, l2, batch, rate)
         loss = total / len(order)
         curve.append(loss)
@@ -96,9 +88,3 @@ def train_adam(
         share = max(1.0 - averaging, 1.0 / len(curve))
         mean = (1.0 - share) * mean + share * flat
     return unflatten(mean, widths), np.asarray(curve)
-
-
-def _permutation(rng: np.random.RandomState, count: int) -> NDArray[np.int64]:
-    indices = np.arange(count)
-    rng.shuffle(indices)
-    return indices

@@ -19,26 +19,13 @@ SERIES, LARGEST_EXPONENT = 6, 0.5
 
 @dataclass(frozen=True)
 class Cost:
-    """What a compensator needs on a chip.
+    """What a compensator needs on a chip."""
 
-    Attributes
-    ----------
-    constants_bytes : int
-        Weights, biases and filter constants, in flash.
-    state_bytes : int
-        RAM kept between samples.
-    scratch_bytes : int
-        Stack used while a sample is worked on (layer values).
-    multiplies : int
-        Multiplications a sample at the nominal step.
-    multiplies_any_step : int
-        The same at a step that is not nominal to a millionth, as a clock gives: every filter's gain is made anew.
-    """
-
-    constants_bytes: int
-    state_bytes: int
-    scratch_bytes: int
-    multiplies: int
+    constants_bytes: int  # flash: weights, biases and filter constants
+    state_bytes: int  # RAM kept between samples
+    scratch_bytes: int  # stack used while a sample is worked on (layer values)
+    multiplies: int  # a sample at the nominal step
+    # The same at a step that is not nominal to a millionth, as a clock gives: every filter's gain is made anew.
     multiplies_any_step: int
 
 

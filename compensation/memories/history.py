@@ -25,21 +25,11 @@ QUICK_SETTLE_S = 0.05
 
 @dataclass(frozen=True)
 class History:
-    """Which of these memories a compensator has; none by default.
+    """Which of these memories a compensator has; none by default."""
 
-    Attributes
-    ----------
-    motion_taus_s : tuple of float
-        Time constants over which the speed is smoothed.
-    play_radii : tuple of float
-        Half-widths r, in standard deviations of the conductance over the training recording.
-    settle_s : float
-        Time constant of the light smoothing.
-    """
-
-    motion_taus_s: tuple[float, ...] = ()
-    play_radii: tuple[float, ...] = ()
-    settle_s: float = SETTLE_S
+    motion_taus_s: tuple[float, ...] = ()  # time constants over which the speed is smoothed
+    play_radii: tuple[float, ...] = ()  # half-widths r, in standard deviations of the training's conductance
+    settle_s: float = SETTLE_S  # time constant of the light smoothing
 
     @property
     def count(self) -> int:
@@ -47,20 +37,10 @@ class History:
         return len(self.motion_taus_s) + len(self.play_radii)
 
     def features(self, x: FloatArray, dt_s: FloatArray, held: FloatArray | None = None) -> FloatArray:
-        """Motions, then plays, at each sample.
+        """Motions, then plays, at each sample: (n, count).
 
-        Parameters
-        ----------
-        x : ndarray, shape (n,)
-            Standardised conductance.
-        dt_s : ndarray, shape (n - 1,)
-            Time from each sample to the next.
-        held : ndarray, shape (count,), optional
-            What the memories hold at the first sample; by default no motion, and plays that follow x.
-
-        Returns
-        -------
-        ndarray, shape (n, count)
+        Of x, the standardised conductance (n,), and the time from each sample to the next (n - 1,). `held` (count,)
+        is what the memories hold at the first sample; by default no motion, and plays that follow x.
         """
         from compensation.memories.compiled_filters import remember
 

@@ -11,12 +11,14 @@ import numpy as np
 from compensation.engines.network import Network, mean_output
 from compensation.memories.ema import smooth
 from compensation.memories.history import NO_HISTORY, History
-from compensation.model.ranges import Beginning, Seen
 from compensation.series.preprocessing import TARGETS, Series
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from gcode.support.read_only import Unchanging
 from testbench.recordings.recording import gaps_in
+
+# Of the range seen in training, as much to either side still goes into the memories.
+MARGIN_WIDTHS = 1.0
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,32 @@ class Scaling:
         return values * self.scale + self.mean
 
 
+@dataclass(frozen=True, eq=False)
+class Seen(Unchanging):
+    """Ranges over the training recordings."""
+
+    low: float  # of the standardised conductance
+    high: float
+    inputs_low: FloatArray  # of each input of the networks, (input_count,)
+    inputs_high: FloatArray
+
+    def held(self, x: FloatArray) -> FloatArray:
+        """`x`, clipped `MARGIN_WIDTHS` widths of the range outside of it."""
+        margin = MARGIN_WIDTHS * (self.high - self.low)
+        return np.clip(x, self.low - margin, self.high + margin)
+
+
+@dataclass(frozen=True, eq=False)
+class Beginning(Unchanging):
+    """What each memory is expected to hold, given the standardised conductance x at the start: offset + gain x.
+
+    In the order of the networks' inputs, each (input_count,). A filter's x is the mean of its first M samples.
+    """
+
+    gain: FloatArray
+    offset: FloatArray
+
+
 class Fitted(Protocol):
     """An estimator that says what compensator it has learned."""
 
@@ -48,13 +76,7 @@ class Fitted(Protocol):
 
 
 def trained(compensator: TrainedCompensator | Fitted) -> TrainedCompensator:
-    """What `compensation.load` gives, as it is; of a fitted `compensation.Compensator` what it has learned.
-
-    Raises
-    ------
-    UserError
-        If it is neither, or the estimator was fitted by ridge.
-    """
+    """What `compensation.load` gives, as it is; of a fitted `compensation.Compensator` what it has learned."""
     if isinstance(compensator, TrainedCompensator):
         return compensator
     if not hasattr(compensator, "trained"):
@@ -67,54 +89,25 @@ def trained(compensator: TrainedCompensator | Fitted) -> TrainedCompensator:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TrainedCompensator(Unchanging):
-    """Scaler, smoothing bank (and other memories), and one or more networks whose mean is the answer.
+    """Scaler, smoothing bank (and other memories), and one or more networks whose mean is the answer."""
 
-    Attributes
-    ----------
-    target : {"force", "displacement"}
-    rate_hz : float
-        Rate the smoothing factors refer to.
-    alphas : ndarray, shape (k,)
-        Smoothing factors.
-    scaling_in, scaling_out : Scaling
-        Of the conductance (S) and of the target (N or mm), fitted on the training recording.
-    networks : tuple of Network
-        Each takes the k smoothed values and the history's; the prediction is their mean.
-    irregular : bool
-        True: samples are used at the times they were taken. False: resample to `rate_hz` first (the paper).
-    start : {"paper", "causal"}
-        ``paper``: a recording is known from its beginning (`compensation.memories.ema.smooth`). ``causal``: what a
-        stream does that is switched on with the first sample.
-    per_recording : bool
-        True: each recording is standardised by its own mean and spread, as if it were known as a whole.
-    sign : float
-        +1 where conductance rises with the target, -1 where it falls; used for the raw baseline only.
-    history : History
-        Memories beside the bank; the paper has none.
-    recipe : mapping
-        How it was trained.
-    seen : Seen, optional
-        Ranges over the training recordings; see `compensation.model.runtime`.
-    beginning : Beginning, optional
-        Where a stream's memories begin.
-    margins : tuple of float, optional
-        Added to a prediction, the ends of the interval that held 90 % of the errors in cross-validation (N or mm).
-    """
-
-    target: str
-    rate_hz: float
-    alphas: FloatArray
-    scaling_in: Scaling
-    scaling_out: Scaling
-    networks: tuple[Network, ...]
-    irregular: bool = False
+    target: str  # "force" or "displacement"
+    rate_hz: float  # that the smoothing factors refer to
+    alphas: FloatArray  # smoothing factors, (k,)
+    scaling_in: Scaling  # of the conductance (S), fitted on the training recordings
+    scaling_out: Scaling  # of the target (N or mm), likewise
+    networks: tuple[Network, ...]  # each takes the k smoothed values and the history's
+    irregular: bool = False  # samples are used at their own times, and not resampled to `rate_hz` (the paper)
+    # "paper": a recording is known from its beginning (`compensation.memories.ema.smooth`). "causal": what a stream
+    # does that is switched on with the first sample.
     start: str = "paper"
-    per_recording: bool = False
-    sign: float = 1.0
-    history: History = NO_HISTORY
-    recipe: Mapping[str, Any] = field(default_factory=dict)
+    per_recording: bool = False  # each recording is standardised by itself, as if it were known as a whole
+    sign: float = 1.0  # -1 where conductance falls with the target; used for the raw baseline only
+    history: History = NO_HISTORY  # memories beside the bank; the paper has none
+    recipe: Mapping[str, Any] = field(default_factory=dict)  # how it was trained
     seen: Seen | None = None
-    beginning: Beginning | None = None
+    beginning: Beginning | None = None  # where a stream's memories begin
+    # Added to a prediction, the ends of the interval that held 90 % of the errors in cross-validation (N or mm).
     margins: tuple[float, float] | None = None
 
     def __repr__(self) -> str:
@@ -168,12 +161,9 @@ class TrainedCompensator(Unchanging):
         return np.hstack([smoothed, self.history.features(values, steps_s, held)])
 
     def predict(self, time_s: FloatArray, conductance_S: FloatArray) -> FloatArray:
-        """Force (N) or displacement (mm) at each sample.
+        """Force (N) or displacement (mm) at each sample of one whole recording, from its first sample.
 
-        Parameters
-        ----------
-        time_s, conductance_S : ndarray, each shape (n,)
-            One whole recording, from its first sample. Uniform at `rate_hz` unless `irregular`, but for gaps.
+        It is uniform at `rate_hz` unless `irregular`, but for gaps.
         """
         return self.scaling_out.invert(mean_output(self.networks, self.features(time_s, conductance_S)))
 

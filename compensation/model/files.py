@@ -14,8 +14,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from compensation.engines.network import Network
 from compensation.memories.ema import SMALLEST_ALPHA
 from compensation.memories.history import SETTLE_S, History
-from compensation.model.compensator import Scaling, TrainedCompensator
-from compensation.model.ranges import Beginning, Seen
+from compensation.model.compensator import Beginning, Scaling, Seen, TrainedCompensator
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError, first_problem
 from gcode.support.files import write_json

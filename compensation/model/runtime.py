@@ -21,8 +21,7 @@ from enum import IntFlag
 import numpy as np
 
 from compensation.memories.ema import start_samples
-from compensation.model.compensator import TrainedCompensator
-from compensation.model.ranges import Beginning, Seen
+from compensation.model.compensator import Beginning, Seen, TrainedCompensator
 from compensation.series.preprocessing import Series
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError

@@ -51,22 +51,10 @@ def train_automatically(
     options: Options,
     progress: Callable[[str], None] = lambda note: None,
 ) -> TrainedCompensator:
-    """Choose by cross-validation, train the chosen on everything.
+    """Choose by cross-validation, train the chosen on everything; of the options, seed and sampling are taken.
 
-    Parameters
-    ----------
-    series : sequence of Series
-        Training recordings; nothing else is looked at.
-    target : {"force", "displacement"}
-    options : Options
-        Seed and sampling; everything else is chosen.
-    progress : callable
-        Told about each fold of each method: `steps` times.
-
-    Returns
-    -------
-    TrainedCompensator
-        Its recipe says what was tried, what was taken and what cross-validation promises of it.
+    The recipe says what was tried, what was taken and what cross-validation promises of it. `progress` is told about
+    each fold of each method, `steps` times.
     """
     options.check_for_use("--method auto")
     folds, whole = folds_of(series), whole_recordings(series)
@@ -91,8 +79,9 @@ def train_automatically(
         "line_r2": tried[Line.name]["r2"],
         "folds": fold_count(folds),
         "whole_recordings": whole,
-        **({} if changes is None else {"r2_elsewhere": r2_elsewhere(residual, changes, scale)}),
     }
+    if changes is not None:
+        promise["r2_elsewhere"] = r2_elsewhere(residual, changes, scale)
     found = {"chosen": chosen, "weights": weights, "tried": tried, "cross_validated": promise}
     margins = margins_of(residual, folds, [len(part) for part in series], changes)
     return replace(compensator, recipe=dict(compensator.recipe) | found, margins=margins)
@@ -118,10 +107,7 @@ def steps(series: Sequence[Series]) -> int:
 def margins_of(
     residual: FloatArray, folds: NDArray[np.int64], lengths: Sequence[int], changes: FloatArray | None
 ) -> tuple[float, float]:
-    """Ends of the interval for an error to come, from whole recordings where there are enough, else from parts.
-
-    `changes` are those of `one_sigma_changes`, None where whole recordings were held out.
-    """
+    """Ends of the interval for an error to come; `changes` are None where whole recordings were held out."""
     if changes is None:
         return of_another(np.split(residual, np.cumsum(lengths)[:-1]))
     parts = [folds == number for number in np.unique(folds)]
@@ -131,14 +117,8 @@ def margins_of(
 def r2_elsewhere(residual: FloatArray, changes: FloatArray, scale: float) -> float:
     """Ordinary r2 to be expected where gains and zeros are off as on another day or specimen.
 
-    Parameters
-    ----------
-    residual : ndarray, shape (n,)
-        Errors of cross-validation, in the target's unit.
-    changes : ndarray, shape (k, n)
-        Of `one_sigma_changes`; the numbers behind them are independent, so their squares add up.
-    scale : float
-        Standard deviation of the target.
+    They are independent, so the squares of what each changes (`one_sigma_changes`) add up to those of the errors that
+    cross-validation has made, all in the target's unit; `scale` is the target's standard deviation.
     """
     return float(1.0 - (np.mean(residual**2) + np.mean(changes**2, axis=1).sum()) / scale**2)
 
@@ -167,13 +147,7 @@ def cross_validated(
     folds: NDArray[np.int64],
     progress: Callable[[str], None] = lambda note: None,
 ) -> dict[str, FloatArray]:
-    """What each method predicts of each fold, at each pace, having seen nothing of it, not even for its scalers.
-
-    Returns
-    -------
-    dict of ndarray, each shape (paces, n)
-        In the target's unit.
-    """
+    """What each method predicts of each fold, having seen nothing of it, not even for its scalers: (paces, n)."""
     found = {kind.name: np.empty((len(PACES), len(folds))) for kind in LEARNERS}
     for number in range(fold_count(folds)):
         rest, parts = split(series, folds == number)
