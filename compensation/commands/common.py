@@ -12,6 +12,7 @@ from gcode.support.errors import UserError
 
 if TYPE_CHECKING:
     from compensation.model.compensator import TrainedCompensator
+    from gcode.support.arrays import FloatArray
     from testbench.recordings.recording import Recording
 
 PICTURES = (".png", ".pdf", ".svg")
@@ -60,6 +61,16 @@ def check_long_enough(source: str, compensator: TrainedCompensator, duration_s: 
             f"{source}: {duration_s:.1f} s {what}, the compensator's slowest memory has {compensator.slowest_s:.0f} "
             "s; give a longer recording, or train with a smaller --factor or --count"
         )
+
+
+def say_if_unseen(compensator: TrainedCompensator, source: str, conductance_S: FloatArray) -> None:
+    """Warn where no reading is one that the training had: gain and zero are no way from one unit to another."""
+    from compensation.model.runtime import ranges_of
+    from testbench.recordings.doubts import say_once
+
+    seen, reading = ranges_of(compensator), compensator.scaling_in.apply(conductance_S)
+    if ((reading < seen.low) | (reading > seen.high)).all():
+        say_once(f"{source}: {NOTHING_KNOWN}")
 
 
 def check_places(output: str | None, picture: str | None) -> None:

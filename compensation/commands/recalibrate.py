@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from compensation.commands.common import NOTHING_KNOWN, add_gauge_length, check_places
+from compensation.commands.common import add_gauge_length, check_places, say_if_unseen
 from gcode.support.errors import UserError
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def run(args: argparse.Namespace) -> int:
     check_places(args.output, None)
     compensator = load(args.compensator)
     part = _reference(args, compensator)
-    _say_if_unseen(compensator, part)
+    say_if_unseen(compensator, part.source, part.conductance_S)
     found = recalibrated(compensator, part)
     save(args.output, found)
     note, unit = found.recipe["recalibrated"][-1], compensator.unit
@@ -71,13 +71,3 @@ def _reference(args: argparse.Namespace, compensator: TrainedCompensator) -> Ser
     check_tared(recording, target, reach(compensator))
     say_gaps(recording)
     return reference_of(recording, target, rate_hz)
-
-
-def _say_if_unseen(compensator: TrainedCompensator, part: Series) -> None:
-    """Warn where no reading is one that the training had: gain and zero are no way from one unit to another."""
-    from compensation.model.runtime import ranges_of
-    from testbench.recordings.doubts import say_once
-
-    seen, reading = ranges_of(compensator), compensator.scaling_in.apply(part.conductance_S)
-    if ((reading < seen.low) | (reading > seen.high)).all():
-        say_once(f"{part.source}: {NOTHING_KNOWN}")

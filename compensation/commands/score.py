@@ -11,6 +11,7 @@ from compensation.commands.common import (
     check_places,
     finish,
     read_all,
+    say_if_unseen,
 )
 
 SUMMARY = "say how well a compensator predicts recordings that it has not seen"
@@ -41,6 +42,7 @@ def run(args: argparse.Namespace) -> int:
     check_distinct(recordings, "it would count several times; give each once")
     for recording in recordings:
         check_long_enough(recording.source, compensator, recorded_duration_s(recording.time_s))
+        say_if_unseen(compensator, recording.source, recording.conductance_S)
     scores = score_recordings(compensator, recordings)
     scores["compensator"]["file"] = args.compensator
     if args.output:
