@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 import tempfile
 from dataclasses import dataclass
@@ -57,8 +56,6 @@ def _gains(compensator: TrainedCompensator) -> int:
 
 def code_bytes(header: str, name: str) -> int | None:
     """Machine code of ``update`` and ``reset`` as this machine's gcc makes it (-Os); None without such a compiler."""
-    if shutil.which("gcc") is None or shutil.which("size") is None:
-        return None
     caller = (
         f'#include "h.h"\nfloat u({name}_state *s, float g, float t) {{ return {name}_update(s, g, t); }}\n'
         f"void r({name}_state *s) {{ {name}_reset(s); }}\n"
@@ -69,7 +66,7 @@ def code_bytes(header: str, name: str) -> int | None:
         try:
             subprocess.run(["gcc", "-Os", "-c", "u.c", "-o", "u.o"], cwd=folder, check=True, capture_output=True)
             sized = subprocess.run(["size", "-A", "u.o"], cwd=folder, check=True, capture_output=True, text=True)
-        except (OSError, subprocess.CalledProcessError):  # other tools of these names
+        except (OSError, subprocess.CalledProcessError):  # no such tools, or others of these names
             return None
     rows = (line.split() for line in sized.stdout.splitlines())
     return sum(int(row[1]) for row in rows if row and row[0].startswith(".text"))

@@ -46,10 +46,7 @@ LEARNERS: tuple[type[Learner], ...] = (Line, Ridge, Paper, Networks)
 
 
 def train_automatically(
-    series: Sequence[Series],
-    target: str,
-    options: Options,
-    progress: Callable[[str], None] = lambda note: None,
+    series: Sequence[Series], target: str, options: Options, progress: Callable[[str], None] = lambda note: None
 ) -> TrainedCompensator:
     """Choose by cross-validation, train the chosen on everything; of the options, seed and sampling are taken.
 

@@ -65,10 +65,7 @@ class Decision:
 
 
 def tune(
-    series: Sequence[Series],
-    target: str,
-    options: Options,
-    progress: Callable[[str], None] = lambda note: None,
+    series: Sequence[Series], target: str, options: Options, progress: Callable[[str], None] = lambda note: None
 ) -> TrainedCompensator:
     """Choose by cross-validation (`choose`), then average several networks (`ensemble`).
 
@@ -80,10 +77,7 @@ def tune(
 
 
 def choose(
-    series: Sequence[Series],
-    target: str,
-    options: Options,
-    progress: Callable[[str], None] = lambda note: None,
+    series: Sequence[Series], target: str, options: Options, progress: Callable[[str], None] = lambda note: None
 ) -> Decision:
     """Choose the bank, then histories and their penalties, then the size; seeds are fixed: the data decide."""
     tried: list[Choice] = []
