@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
 SUMMARY = "train a compensator on one or more recordings, with what cross-validation promises of it"
 EXAMPLE = "compensation train campaigns/pes-T --target force -o pes.compensator.json"
-
 GIVEN_TWICE = "give each recording once, or cross-validation would predict it from itself"
 # What --method paper is told, and the other methods choose themselves.
 OWN_CHOICES = ("hidden", "factors", "factor", "count", "l2", "restarts", "engine")
