@@ -91,7 +91,7 @@ def smooth(
     """
     from compensation.memories.compiled_filters import smooth_steps
 
-    x = np.asarray(x, dtype=np.float64)
+    x = np.ascontiguousarray(x, dtype=np.float64)
     steps = np.ones(len(x) - 1) if step_s is None else step_s * rate_hz
     elapsed = np.concatenate([[0.0], np.cumsum(steps)])
     gain, offset = affine or (np.ones(len(alphas)), np.zeros(len(alphas)))
