@@ -60,10 +60,17 @@ def train_adam(
 ) -> tuple[Network, FloatArray]:
     """Train one network as `MLPRegressor(hidden_layer_sizes=sizes, alpha=l2, random_state=seed)` does.
 
-    Rows a step (`batch`) and Adam's learning rate are scikit-learn's unless given. `averaging` is the share that the
-    running mean of the weights, taken after each epoch, keeps of itself; that mean is returned. 0 returns the last
-    weights, as scikit-learn does. The mean does not jump about the minimum as the weights do (B. T. Polyak and A. B.
-    Juditsky, Acceleration of stochastic approximation by averaging, 1992).
+    Parameters
+    ----------
+    features, target : ndarray, shapes (n, k) and (n,)
+    batch : int
+        Rows a step; scikit-learn's is 200.
+    rate : float
+        Adam's learning rate; scikit-learn's is 0.001.
+    averaging : float
+        Share that the running mean of the weights, taken after each epoch, keeps of itself; that mean is returned.
+        0 returns the last weights, as scikit-learn does. The mean does not jump about the minimum as the weights do
+        (B. T. Polyak and A. B. Juditsky, Acceleration of stochastic approximation by averaging, 1992).
 
     Returns
     -------

@@ -65,7 +65,13 @@ class Network(Unchanging):
 
     @classmethod
     def from_lists(cls, weights: Sequence, biases: Sequence) -> Network:
-        """A network from nested lists, as JSON has them; a `ValueError` where they form none with one output."""
+        """Inverse of `to_dict`.
+
+        Raises
+        ------
+        ValueError
+            If the shapes do not form a network with one output, or a number is not finite.
+        """
         if any(len({len(row) for row in matrix}) > 1 for matrix in weights):
             raise ValueError("a layer has rows of weights of different lengths")
         w = tuple(np.asarray(matrix, dtype=np.float64) for matrix in weights)

@@ -26,7 +26,13 @@ MOST_FILTERS = 1000
 
 
 def smoothing_factors(factor: float = PAPER_FACTOR, count: int = PAPER_COUNT) -> FloatArray:
-    """Smoothing factors ``alpha_i = a^-i``, i = 1..N (dimensionless, per sample at the bank's rate)."""
+    """Smoothing factors ``alpha_i = a^-i``, i = 1..N (dimensionless, per sample at the bank's rate).
+
+    Raises
+    ------
+    UserError
+        Unless ``a > 1``, ``N >= 1`` and ``a^-N >= 1e-6``.
+    """
     if not (np.isfinite(factor) and factor > 1):
         raise UserError(f"the smoothing factor a must be a number above 1 (the paper: 2.5), got {factor}")
     if count < 1:
@@ -40,7 +46,13 @@ def smoothing_factors(factor: float = PAPER_FACTOR, count: int = PAPER_COUNT) ->
 
 
 def given_factors(alphas: Sequence[float]) -> FloatArray:
-    """Smoothing factors set by hand: at least one, each from 1e-6 to 1."""
+    """Smoothing factors set by hand.
+
+    Raises
+    ------
+    UserError
+        Unless there is at least one and each is from 1e-6 to 1.
+    """
     found = np.asarray(alphas, dtype=np.float64)
     if not len(found) or not ((found >= SMALLEST_ALPHA) & (found <= 1)).all():
         raise UserError(f"smoothing factors must be numbers from {SMALLEST_ALPHA:g} to 1, got {list(alphas)}")

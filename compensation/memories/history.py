@@ -37,10 +37,20 @@ class History:
         return len(self.motion_taus_s) + len(self.play_radii)
 
     def features(self, x: FloatArray, dt_s: FloatArray, held: FloatArray | None = None) -> FloatArray:
-        """Motions, then plays, at each sample: (n, count).
+        """Motions, then plays, at each sample.
 
-        Of x, the standardised conductance (n,), and the time from each sample to the next (n - 1,). `held` (count,)
-        is what the memories hold at the first sample; by default no motion, and plays that follow x.
+        Parameters
+        ----------
+        x : ndarray, shape (n,)
+            Standardised conductance.
+        dt_s : ndarray, shape (n - 1,)
+            Time from each sample to the next.
+        held : ndarray, shape (count,), optional
+            What the memories hold at the first sample; by default no motion, and plays that follow x.
+
+        Returns
+        -------
+        ndarray, shape (n, count)
         """
         from compensation.memories.compiled_filters import remember
 

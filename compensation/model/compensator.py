@@ -76,7 +76,13 @@ class Fitted(Protocol):
 
 
 def trained(compensator: TrainedCompensator | Fitted) -> TrainedCompensator:
-    """What `compensation.load` gives, as it is; of a fitted `compensation.Compensator` what it has learned."""
+    """What `compensation.load` gives, as it is; of a fitted `compensation.Compensator` what it has learned.
+
+    Raises
+    ------
+    UserError
+        If it is neither, or the estimator was fitted by ridge.
+    """
     if isinstance(compensator, TrainedCompensator):
         return compensator
     if not hasattr(compensator, "trained"):
@@ -161,9 +167,12 @@ class TrainedCompensator(Unchanging):
         return np.hstack([smoothed, self.history.features(values, steps_s, held)])
 
     def predict(self, time_s: FloatArray, conductance_S: FloatArray) -> FloatArray:
-        """Force (N) or displacement (mm) at each sample of one whole recording, from its first sample.
+        """Force (N) or displacement (mm) at each sample.
 
-        It is uniform at `rate_hz` unless `irregular`, but for gaps.
+        Parameters
+        ----------
+        time_s, conductance_S : ndarray, each shape (n,)
+            One whole recording, from its first sample. Uniform at `rate_hz` unless `irregular`, but for gaps.
         """
         return self.scaling_out.invert(mean_output(self.networks, self.features(time_s, conductance_S)))
 

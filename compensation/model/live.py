@@ -25,8 +25,23 @@ class LiveCompensator:
     The columns are those of `compensation predict`: time_s, the target, low and high with its unit (nan where the
     compensator has no interval), status.
 
-    The file, in the folder of the campaign, is appended to; one of another target is refused. A disk that refuses it
-    ends the file, not the recording.
+    Parameters
+    ----------
+    path : path
+        Of the compensator.
+    folder : path
+        Of the campaign; the file is appended to. A disk that refuses it ends the file, not the recording.
+
+    Raises
+    ------
+    UserError
+        If the file is no compensator, or one that cannot run sample by sample; if what is kept there already is of
+        another target.
+
+    Attributes
+    ----------
+    unit : str
+        "N" or "mm".
     """
 
     def __init__(self, path: str | Path, folder: str | Path) -> None:
@@ -58,7 +73,13 @@ class LiveCompensator:
         return self.take(row.time_us, row.sample.resistance_mohm), self.unit
 
     def take(self, time_us: int, resistance_mohm: int | None) -> float:
-        """Feed one sample, of which None is no reading; the value after it, in `unit`."""
+        """Feed one sample: recording time in microseconds, resistance in milliohm (None: no reading).
+
+        Returns
+        -------
+        float
+            In `unit`.
+        """
         conductance_S = 1e3 / resistance_mohm if resistance_mohm else 0.0
         value = self._stream.update(conductance_S, self._step_s(time_us))
         if not self._stream.status & (Status.BAD_READING | Status.BAD_STEP):

@@ -31,9 +31,16 @@ def campaigns(
     runs: Sequence[str] = tuple(RUNS),
     number: int = 0,
 ) -> dict[str, Recording]:
-    """Recordings of one sensor (a preset's name), simulated where `folder` does not hold them yet.
+    """Recordings of one sensor, simulated where `folder` does not hold them yet.
 
-    `runs` are the first ones of `RUNS`. Another number: another specimen of the sensor, other trajectories and noise.
+    Parameters
+    ----------
+    sensor : str
+        Name of a preset.
+    runs : sequence of str
+        The first ones of `RUNS`, as many as are wanted.
+    number : int
+        Another number: another specimen of the sensor, other trajectories, other noise.
     """
     from testbench.campaigns.campaign import Plan, matches, simulate_campaign
     from testbench.campaigns.clearing import vacant

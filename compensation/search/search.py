@@ -98,10 +98,24 @@ def sweep(
     scheduler: str | None = None,
     progress: Callable[[str], None] = lambda note: None,
 ) -> list[dict[str, Any]]:
-    """Run every job that `results` (JSON lines) does not hold yet; each is appended as soon as it is done.
+    """Run every job that `results` does not hold yet; each is appended as soon as it is done.
 
-    `workers` are processes on this machine, or of a local cluster where `backend` is dask and no `scheduler`, the
-    address of a running one, is given. A file of another sweep is refused, if only by what its recordings hold.
+    Parameters
+    ----------
+    task : Task
+    jobs : sequence of (Candidate, seed)
+    results : path
+        JSON lines; a sweep that was killed goes on from here.
+    workers : int
+        Processes on this machine (backend ``loky``).
+    backend : {"loky", "dask"}
+    scheduler : str, optional
+        Address of a running Dask scheduler; without it, a local cluster is started.
+
+    Raises
+    ------
+    UserError
+        If `results` belongs to another sweep, if only by what its recordings hold, or a worker process was killed.
     """
     done = _open_results(Path(results), task)
     known = {(row["key"], row["seed"]) for row in done}

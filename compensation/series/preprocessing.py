@@ -48,9 +48,18 @@ class Series:
 def series_of(recording: Recording, target: str, rate_hz: float | None) -> Series:
     """Input and target of a recording that is learned from or scored.
 
-    It is resampled by linear interpolation to `rate_hz` (the paper: 20 Hz); None keeps the samples as they are. Gaps
-    stay gaps: nobody has measured a straight line there. A channel that is missing or constant is refused, and a
-    recording that is too short, or too slow to be put on a grid.
+    Parameters
+    ----------
+    recording : Recording
+    target : {"force", "displacement"}
+    rate_hz : float or None
+        Resample by linear interpolation to this rate (the paper: 20 Hz); None keeps the samples as they are. Gaps
+        stay gaps: nobody has measured a straight line there.
+
+    Raises
+    ------
+    UserError
+        If a channel is missing or constant, or the recording is too short, or too slow to be put on a grid.
     """
     channel = _present(recording, target)
     duration_s = recorded_duration_s(recording.time_s)
@@ -69,7 +78,13 @@ def series_of(recording: Recording, target: str, rate_hz: float | None) -> Serie
 
 
 def reference_of(recording: Recording, target: str, rate_hz: float | None) -> Series:
-    """As `series_of`, of a reference to recalibrate by: it may be short and stand still, but for zero throughout."""
+    """As `series_of`, of a short reference to recalibrate by: it may stand still, and be short.
+
+    Raises
+    ------
+    UserError
+        If a channel is missing, or the target is zero throughout, as it is read where the file has no such column.
+    """
     channel = _present(recording, target)
     if not recording[channel].any():
         raise UserError(

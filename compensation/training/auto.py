@@ -48,10 +48,22 @@ LEARNERS: tuple[type[Learner], ...] = (Line, Ridge, Paper, Networks)
 def train_automatically(
     series: Sequence[Series], target: str, options: Options, progress: Callable[[str], None] = lambda note: None
 ) -> TrainedCompensator:
-    """Choose by cross-validation, train the chosen on everything; of the options, seed and sampling are taken.
+    """Choose by cross-validation, train the chosen on everything.
 
-    The recipe says what was tried, what was taken and what cross-validation promises of it. `progress` is told about
-    each fold of each method, `steps` times.
+    Parameters
+    ----------
+    series : sequence of Series
+        Training recordings; nothing else is looked at.
+    target : {"force", "displacement"}
+    options : Options
+        Seed and sampling; everything else is chosen.
+    progress : callable
+        Told about each fold of each method: `steps` times.
+
+    Returns
+    -------
+    TrainedCompensator
+        Its recipe says what was tried, what was taken and what cross-validation promises of it.
     """
     options.check_for_use("--method auto")
     folds, whole = folds_of(series), whole_recordings(series)
@@ -114,8 +126,14 @@ def margins_of(
 def r2_elsewhere(residual: FloatArray, changes: FloatArray, scale: float) -> float:
     """Ordinary r2 to be expected where gains and zeros are off as on another day or specimen.
 
-    They are independent, so the squares of what each changes (`one_sigma_changes`) add up to those of the errors that
-    cross-validation has made, all in the target's unit; `scale` is the target's standard deviation.
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        Errors of cross-validation, in the target's unit.
+    changes : ndarray, shape (k, n)
+        Of `one_sigma_changes`; the numbers behind them are independent, so their squares add up.
+    scale : float
+        Standard deviation of the target.
     """
     return float(1.0 - (np.mean(residual**2) + np.mean(changes**2, axis=1).sum()) / scale**2)
 

@@ -26,8 +26,14 @@ def of_one_recording(parts: Sequence[FloatArray], changes: Sequence[FloatArray])
 
     Parts of one recording lie nearer to one another than the next one will: the widest of their own intervals is
     taken, and each error goes together with a draw of the gains and zeros that other days and specimens have.
-    `changes`, each (k, n), are by how much the errors of a part, (n,), change where one of those k numbers is a
-    standard deviation off (`compensation.training.recalibration.one_sigma_changes`).
+
+    Parameters
+    ----------
+    parts : sequence of ndarray, each shape (n,)
+        Errors on each part, by a method that had learned from the others.
+    changes : sequence of ndarray, each shape (k, n)
+        By how much each of them changes where one of those k numbers is a standard deviation off
+        (`compensation.training.recalibration.one_sigma_changes`).
     """
     rng, ends = np.random.default_rng(0), []
     for errors, own in zip(parts, changes, strict=True):
@@ -38,7 +44,13 @@ def of_one_recording(parts: Sequence[FloatArray], changes: Sequence[FloatArray])
 
 
 def of_another(recordings: Sequence[FloatArray]) -> tuple[float, float]:
-    """Ends between which 90 % of the errors on another recording are expected, from those on three or more others."""
+    """Ends between which 90 % of the errors on another recording are expected.
+
+    Parameters
+    ----------
+    recordings : sequence of ndarray
+        Errors on each recording, by a method that had learned from the others; three or more recordings.
+    """
     rng, count = np.random.default_rng(0), len(recordings)
     levels = np.array([errors.mean() for errors in recordings])
     widths = np.array([max(float(errors.std()), 1e-12) for errors in recordings])

@@ -37,7 +37,13 @@ class Options:
         return None if self.irregular else self.rate_hz
 
     def check_for_use(self, method: str) -> None:
-        """Refuse what a method that learns for use cannot do; `method` as the command line says it."""
+        """Refuse what a method that learns for use cannot do; `method` as the command line says it.
+
+        Raises
+        ------
+        UserError
+            If each recording is to be standardised by itself.
+        """
         if self.per_recording:
             raise UserError(
                 f"--per-recording is for --method paper only: {method} learns for use, where no recording's own mean "

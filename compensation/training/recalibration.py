@@ -58,7 +58,20 @@ class Correction:
 
 
 def recalibrated(compensator: TrainedCompensator, part: Series) -> TrainedCompensator:
-    """The compensator, corrected by a short recording with a reference: motion, or rest at a known value."""
+    """The compensator, corrected by a short recording with a reference.
+
+    Parameters
+    ----------
+    compensator : TrainedCompensator
+    part : Series
+        Half a minute to a minute: motion, or rest at a known value (without load: zero).
+
+    Raises
+    ------
+    UserError
+        If less than 5 s were recorded; if the target stands still while the sensor moves; or if the compensator
+        standardises each recording by itself.
+    """
     if compensator.per_recording:
         raise UserError("a compensator trained with --per-recording knows no level that could be corrected")
     duration_s = recorded_duration_s(part.time_s)
@@ -101,7 +114,14 @@ def correction(compensator: TrainedCompensator, part: Series) -> Correction:
 
 
 def end_of_first(seconds: float, time_s: FloatArray) -> float:
-    """When the first seconds are over: with the sample after them, or where a gap begins in which they end."""
+    """When the first seconds are over: with the sample after them, for so long lies between samples then.
+
+    Parameters
+    ----------
+    seconds : float
+    time_s : ndarray, shape (n,)
+        A gap in which they end is no part of them.
+    """
     end_s = float(time_s.min()) + seconds
     if any(start_s <= end_s < stop_s for start_s, stop_s in gaps_in(np.sort(time_s))):
         return end_s
@@ -109,7 +129,13 @@ def end_of_first(seconds: float, time_s: FloatArray) -> float:
 
 
 def recording_at_rest(compensator: TrainedCompensator, path: str | Path, seconds: float) -> Recording:
-    """The beginning of a recording of a sensor without load: its targets are zero throughout."""
+    """The beginning of a recording of a sensor without load: its targets are zero throughout.
+
+    Raises
+    ------
+    UserError
+        As `read_samples`; if less than two samples are good; or if the reading wanders as a moved sensor's does.
+    """
     time_s, resistance_ohm = read_samples(path)
     good = np.isfinite(time_s) & np.isfinite(resistance_ohm) & (resistance_ohm > 0)
     if good.any():
@@ -131,7 +157,13 @@ def reach(compensator: TrainedCompensator) -> float:
 
 
 def one_sigma_changes(compensator: TrainedCompensator, series: Sequence[Series]) -> FloatArray:
-    """By how much predictions change where each of the four numbers is a standard deviation off: (4, n)."""
+    """By how much the prediction changes where each of the four numbers is a standard deviation of its prior off.
+
+    Returns
+    -------
+    ndarray, shape (4, n)
+        In the target's unit, at every sample of the recordings, one after the other.
+    """
 
     def prediction(one: TrainedCompensator) -> FloatArray:
         return np.concatenate([one.predict_series(part) for part in series])

@@ -32,7 +32,12 @@ def weights_of(predictions: Mapping[str, FloatArray], truth: FloatArray) -> dict
 
     With weights that sum to 1 the error of the stack is the weighted sum of the parts' errors. The sum s of weights
     that minimise ``|errors w|^2 + (1 - sum w)^2`` alone depends on the size of that error, not how they share it out:
-    at shares v the best s leaves ``q / (1 + q)``, which rises with ``q = |errors v|^2``. Predictions are (paces, n).
+    at shares v the best s leaves ``q / (1 + q)``, which rises with ``q = |errors v|^2``.
+
+    Parameters
+    ----------
+    predictions : mapping of ndarray, each shape (paces, n)
+    truth : ndarray, shape (n,)
     """
     from scipy.optimize import nnls
 

@@ -69,8 +69,16 @@ def tune(
 ) -> TrainedCompensator:
     """Choose by cross-validation (`choose`), then average several networks (`ensemble`).
 
-    Of the options, seed and sampling are taken; the engine does not matter, for small batches of thinned-out rows are
-    always used. `progress` is told about each combination and each network, `steps` times.
+    Parameters
+    ----------
+    series : sequence of Series
+        Training recordings; nothing else is looked at.
+    target : {"force", "displacement"}
+    options : Options
+        Seed and sampling; sizes, factors, history and penalty are replaced by the chosen ones. The engine does not
+        matter: small batches of thinned-out rows are always used.
+    progress : callable
+        Told about each combination and each network: `steps` times.
     """
     options.check_for_use("--method tuned")
     return ensemble(series, target, choose(series, target, options, progress), options.seed, progress)

@@ -75,9 +75,19 @@ def train_from_twin(
 ) -> TrainedCompensator:
     """Find out what the twin may be from a short measurement, then learn from both.
 
-    The fit starts from `model`: the baseline as `testbench fit` leaves it, or one with what a diagnosis has found.
-    `amplitude` is the largest strain of the campaigns to come. Of the options, seed and sampling are taken.
-    `progress` is told about the fit and each network, `steps` times.
+    Parameters
+    ----------
+    model : KnitModel
+        Start of the fit: the baseline as `testbench fit` leaves it, or a model with what a diagnosis has found.
+    recording : Recording
+        The short measurement.
+    target : {"force", "displacement"}
+    amplitude : float
+        Largest strain of the campaigns to come.
+    options : Options, optional
+        Seed and sampling; sizes, history and penalty are the twin's own.
+    progress : callable
+        Told about the fit and each network: `steps` times.
     """
     options = replace(options or Options(), sizes=SIZES, l2=L2, history=HISTORY)
     measured = series_of(recording, target, options.resampling_hz)

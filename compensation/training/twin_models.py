@@ -45,7 +45,19 @@ def with_memories(model: KnitModel) -> KnitModel:
 
 
 def plausible(model: KnitModel, recording: Recording) -> tuple[KnitModel, ...]:
-    """Models that explain a short measurement: one fitted from `model`, then the best `KIN` draws about it."""
+    """Models that explain a short measurement: the fitted one first, then the best of a few draws about it.
+
+    Parameters
+    ----------
+    model : KnitModel
+        Start of the fit; `with_memories` is applied to it.
+    recording : Recording
+
+    Returns
+    -------
+    tuple of KnitModel
+        ``1 + KIN`` of them.
+    """
     measurement = coarser(prepare(recording), FIT_RATE_HZ)
     best = fit(with_memories(model), measurement)
     # The posterior is a Gaussian only near its top: of the draws, those that still explain the measurement are kept.
