@@ -22,12 +22,13 @@ from compensator_options import add_campaigns, add_specimens
 from joblib import Parallel, delayed
 
 from compensation.model.compensator import TrainedCompensator
-from compensation.paper import reproduction as ours
 from compensation.paper.paper_campaigns import TAB, campaigns
 from compensation.series.preprocessing import TARGETS, series_of
+from compensation.series.score import r2
 from compensation.training import twin
 from compensation.training.options import Options
 from compensation.training.training import train_on_series
+from compensation.training.tuning import tune
 from compensation.training.twin_models import plausible
 from testbench.fitting.baseline import starting_baseline
 from testbench.fitting.fit import fit
@@ -79,12 +80,12 @@ def scores(trial: Trial, target: str) -> list[float]:
     models = plausible(model, trial.short)
     rivals = [
         train_on_series([measured], target, options),
-        ours.tuned(measured, target),
+        tune([measured], target, options),
         from_twin(models),
         from_twin([model] * len(models)),
         from_twin(models, share=0.0),
     ]
-    return [float(np.mean(ours.scores_of(one, tests))) for one in rivals]
+    return [float(np.mean([r2(part.truth, one.predict_series(part)) for part in tests])) for one in rivals]
 
 
 def main() -> None:

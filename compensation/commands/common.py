@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import json
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from gcode.support.errors import UserError
 
 if TYPE_CHECKING:
     from compensation.model.compensator import TrainedCompensator
+    from gcode.support.arrays import FloatArray
     from testbench.recordings.recording import Recording
 
 PICTURES = (".png", ".pdf", ".svg")
@@ -51,8 +56,6 @@ def read_all(args: argparse.Namespace, target: str) -> list[Recording]:
 
 def check_long_enough(source: str, compensator: TrainedCompensator, duration_s: float, what: str = "long") -> None:
     """Refuse a recording of which less was recorded than the slowest memory lasts: it is all beginning."""
-    from gcode.support.errors import UserError
-
     if duration_s < compensator.slowest_s:
         raise UserError(
             f"{source}: {duration_s:.1f} s {what}, the compensator's slowest memory has {compensator.slowest_s:.0f} "
@@ -60,11 +63,18 @@ def check_long_enough(source: str, compensator: TrainedCompensator, duration_s: 
         )
 
 
+def say_if_unseen(compensator: TrainedCompensator, source: str, conductance_S: FloatArray) -> None:
+    """Warn where no reading is one that the training had: gain and zero are no way from one unit to another."""
+    from compensation.model.runtime import ranges_of
+    from testbench.recordings.doubts import say_once
+
+    seen, reading = ranges_of(compensator), compensator.scaling_in.apply(conductance_S)
+    if ((reading < seen.low) | (reading > seen.high)).all():
+        say_once(f"{source}: {NOTHING_KNOWN}")
+
+
 def check_places(output: str | None, picture: str | None) -> None:
     """Refuse a file that cannot be written, before the work whose result would be lost there."""
-    from pathlib import Path
-
-    from gcode.support.errors import UserError
     from gcode.support.files import check_place
 
     if picture and Path(picture).suffix.lower() not in PICTURES:
@@ -102,6 +112,11 @@ def _below_the_table(scores: dict[str, Any]) -> list[str]:
         "ordinary: an error in level counts in full; "
         f"95 %: bootstrap over blocks of up to 60 s; {scores['compensator']['unit']}: RMS error",
     ]
+    if summary["gain"] < 0:
+        lines.append(
+            f"below the raw signal by {-summary['gain']:.3f} of r2; raw is scored with each recording's own gain "
+            "and zero, which nobody knows in use"
+        )
     lost = summary["r2_rescaled"] - summary["r2_after"]
     if lost > MUCH:
         lines.append(
@@ -173,8 +188,6 @@ def whole_numbers(text: str) -> tuple[int, ...]:
 
 def parse_sizes(text: str) -> tuple[int, ...]:
     """Hidden layers from ``4,2,2``."""
-    from gcode.support.errors import UserError
-
     sizes = whole_numbers(text)
     if not (1 <= len(sizes) <= DEEPEST and all(1 <= size <= WIDEST for size in sizes)):
         raise UserError(
@@ -187,7 +200,6 @@ def parse_sizes(text: str) -> tuple[int, ...]:
 def parse_factors(text: str) -> tuple[float, ...]:
     """Smoothing factors from ``0.5,0.1,0.025,0.0025``."""
     from compensation.memories.ema import given_factors
-    from gcode.support.errors import UserError
 
     try:
         factors = tuple(float(part) for part in text.split(","))
@@ -199,8 +211,6 @@ def parse_factors(text: str) -> tuple[float, ...]:
 
 def finish(args: argparse.Namespace, scores: dict[str, Any], note: str, table: bool = True) -> int:
     """Print the score, as a table (unless the note says it all) or as JSON, and draw it where asked."""
-    import json
-
     if args.plot:
         from compensation.scoring.pictures import draw_scores
 

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
+
+from compensation.commands.common import check_places
+from gcode.support.errors import UserError
 
 SUMMARY = "write a compensator as a C header for a chip, or as an ONNX model"
 ENDINGS = {".h": "c", ".c": "c", ".hpp": "c", ".onnx": "onnx"}
@@ -19,7 +23,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from compensation.commands.common import check_places
     from compensation.export.chip_cost import code_bytes, cost
     from compensation.export.export_c import PROMISED, c_header, rounding
     from compensation.model.files import load
@@ -55,10 +58,6 @@ def run(args: argparse.Namespace) -> int:
 
 def _format(said: str | None, output: str) -> str:
     """What to write; an ending of the other format is refused, since other programs go by it."""
-    from pathlib import Path
-
-    from gcode.support.errors import UserError
-
     ending = Path(output).suffix.lower()
     ends = ENDINGS.get(ending, said or "c")
     if said and said != ends:

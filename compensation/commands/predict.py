@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from compensation.commands.common import NOTHING_KNOWN, check_long_enough, check_places
+from gcode.support.errors import UserError
 
+if TYPE_CHECKING:
     from compensation.model.compensator import TrainedCompensator
-    from gcode.support.arrays import FloatArray, IntArray
+    from gcode.support.arrays import IntArray
 
 SUMMARY = "apply a compensator to a recording of resistance; no reference is needed"
 EXAMPLE = "compensation predict worn.csv --compensator pes.compensator.json -o compensated.csv"
+WORDS = {
+    "BAD_READING": "with a resistance that is no positive number: the last value is repeated",
+    "BAD_STEP": "with a time that is out of order: the last value is repeated",
+    "UNSEEN_READING": "with a conductance that the training did not have: do not rely on them",
+    "UNSEEN_HISTORY": "after a history that the training did not have, if only by a little",
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -30,86 +38,54 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    import numpy as np
-
-    from compensation.commands.common import check_places
     from compensation.model.files import load
     from compensation.model.prediction import predicted
+    from compensation.model.runtime import Status
     from compensation.series.preprocessing import target_channel
-    from compensation.series.reading import read_samples
+    from compensation.series.reading import read_samples, without_reference
     from gcode.support.files import atomic_path
+    from testbench.recordings.doubts import say_slow
+    from testbench.recordings.recording import recorded_duration_s
 
     check_places(args.output, None)
     compensator = load(args.compensator)
     _check_target(args, compensator)
     time_s, resistance_ohm = read_samples(args.recording)
     found = predicted(compensator, time_s, resistance_ohm)
-    good = _good(found.status)
-    _check_good(args.recording, compensator, time_s, resistance_ohm, good)
+    good = found.status & int(Status.BAD_READING | Status.BAD_STEP) == 0  # the others repeat the last value
+    what = "long" if good.all() else "of good samples (a positive resistance, times in order)"
+    check_long_enough(args.recording, compensator, recorded_duration_s(time_s[good]) if good.any() else 0.0, what)
+    say_slow(without_reference(args.recording, time_s[good], resistance_ohm[good]))
     frame = found.to_frame()
     with atomic_path(args.output) as temporary:
         frame.to_csv(temporary, index=False, float_format="%.6f")
-    low, high = np.min(found.value), np.max(found.value)
-    name = target_channel(compensator.target)
-    print(f"{len(frame)} samples: {name} {low:.3f} to {high:.3f} {compensator.unit}")
-    _print_status(found.status, good)
-    print(f"wrote {args.output}")
+    low, high = found.value.min(), found.value.max()
+    print(
+        f"{len(frame)} samples: {target_channel(compensator.target)} {low:.3f} to {high:.3f} {compensator.unit}",
+        *_doubts(found.status),
+        *([f"  {NOTHING_KNOWN}"] if (found.status[good] & int(Status.UNSEEN_READING)).all() else []),
+        f"wrote {args.output}",
+        sep="\n",
+    )
     return 0
 
 
-def _good(status: IntArray) -> NDArray:
-    """Which samples were taken: the others repeat the last value."""
-    from compensation.model.runtime import Status
-
-    return status & int(Status.BAD_READING | Status.BAD_STEP) == 0
-
-
-def _check_good(
-    source: str, compensator: TrainedCompensator, time_s: FloatArray, resistance_ohm: FloatArray, good: NDArray
-) -> None:
-    """Refuse what is too short, counting the good samples alone; say so where these are far apart in time."""
-    from compensation.commands.common import check_long_enough
-    from compensation.series.reading import without_reference
-    from testbench.recordings.doubts import say_slow
-    from testbench.recordings.recording import recorded_duration_s
-
-    what = "long" if good.all() else "of good samples (a positive resistance, times in order)"
-    check_long_enough(source, compensator, recorded_duration_s(time_s[good]) if good.any() else 0.0, what)
-    say_slow(without_reference(source, time_s[good], resistance_ohm[good]))
-
-
-def _print_status(status: IntArray, good: NDArray) -> None:
+def _doubts(status: IntArray) -> Iterator[str]:
     """One line for each doubt that the compensator had, with the share of the samples that it holds for."""
-    from compensation.commands.common import NOTHING_KNOWN
     from compensation.model.runtime import Status
 
     for flag in Status:
         share = float((status & int(flag) != 0).mean())
         if share and flag != Status.STARTING:
-            print(f"  {_percent(share)} {WORDS[flag.name or '']} (status {int(flag)})")
-    if good.any() and (status[good] & int(Status.UNSEEN_READING)).all():
-        print(f"  {NOTHING_KNOWN}")
+            shown = f"{share:.1%}" if share >= 0.0005 else "under 0.1%"
+            yield f"  {shown} {WORDS[flag.name or '']} (status {int(flag)})"
 
 
 def _check_target(args: argparse.Namespace, compensator: TrainedCompensator) -> None:
     """Refuse a compensator of what is not asked for."""
-    from gcode.support.errors import UserError
-
     for flag, wanted, has in (("--target", args.target, compensator.target), ("--unit", args.unit, compensator.unit)):
         if wanted not in (None, has):
             raise UserError(
                 f"{args.compensator} gives {compensator.target} in {compensator.unit}, not the {flag} {wanted} that "
                 "is asked for; take another compensator, or leave the option out"
             )
-
-
-def _percent(share: float) -> str:
-    return f"{share:.1%}" if share >= 0.0005 else "under 0.1%"
-
-
-WORDS = {
-    "BAD_READING": "with a resistance that is no positive number: the last value is repeated",
-    "BAD_STEP": "with a time that is out of order: the last value is repeated",
-    "UNSEEN_READING": "with a conductance that the training did not have: do not rely on them",
-    "UNSEEN_HISTORY": "after a history that the training did not have, if only by a little",
-}

@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from compensation.commands.common import add_gauge_length
+from compensation.commands.common import add_gauge_length, check_places, say_if_unseen
+from gcode.support.errors import UserError
 
 if TYPE_CHECKING:
     from compensation.model.compensator import TrainedCompensator
     from compensation.series.preprocessing import Series
-    from testbench.recordings.recording import Recording
 
 SUMMARY = "correct a compensator for another day or specimen, from a minute of reference"
 EXAMPLE = "compensation recalibrate pes.compensator.json today.csv --seconds 60 -o today.compensator.json"
@@ -29,17 +29,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from compensation.commands.common import check_places
     from compensation.model.files import load, save
     from compensation.training.recalibration import LEAST_S, recalibrated
-    from gcode.support.errors import UserError
 
     if not LEAST_S <= args.seconds < float("inf"):
         raise UserError(f"--seconds must be a number from {LEAST_S:g} on, got {args.seconds:g}")
     check_places(args.output, None)
     compensator = load(args.compensator)
     part = _reference(args, compensator)
-    _say_if_unseen(compensator, part)
+    say_if_unseen(compensator, part.source, part.conductance_S)
     found = recalibrated(compensator, part)
     save(args.output, found)
     note, unit = found.recipe["recalibrated"][-1], compensator.unit
@@ -53,42 +51,23 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _reference(args: argparse.Namespace, compensator: TrainedCompensator) -> Series:
-    """The first seconds of the recording: its own reference, or zero throughout."""
-    from compensation.series.preprocessing import reference_of, sampled, target_channel
-    from compensation.training.recalibration import recording_at_rest
-    from testbench.recordings.doubts import say_gaps
+    """The first seconds of the recording: its own reference, tared if that is a force, or zero throughout."""
+    import numpy as np
 
+    from compensation.series.preprocessing import reference_of, sampled, target_channel
+    from compensation.series.reading import check_tared, read_signals
+    from compensation.training.recalibration import end_of_first, reach, recording_at_rest
+    from testbench.recordings.doubts import say_gaps, say_slow
+
+    target, rate_hz = compensator.target, compensator.resampling_hz
     if args.rest:
         recording = recording_at_rest(compensator, args.recording, args.seconds)
         say_gaps(recording)
-        return sampled(recording, target_channel(compensator.target), compensator.resampling_hz)
-    recording = _beginning(args, compensator)
-    say_gaps(recording)
-    return reference_of(recording, compensator.target, compensator.resampling_hz)
-
-
-def _beginning(args: argparse.Namespace, compensator: TrainedCompensator) -> Recording:
-    """The first seconds of a recording with a reference, tared if that is a force."""
-    import numpy as np
-
-    from compensation.series.reading import check_tared, read_signals
-    from compensation.training.recalibration import end_of_first, reach
-    from testbench.recordings.doubts import say_slow
-
+        return sampled(recording, target_channel(target), rate_hz)
     recording = read_signals(args.recording, args.gauge_length_mm)
     say_slow(recording)
     end_s = end_of_first(args.seconds, recording.time_s)
     recording = recording.between(float(recording.time_s[0]), float(np.nextafter(end_s, np.inf)))
-    check_tared(recording, compensator.target, reach(compensator))
-    return recording
-
-
-def _say_if_unseen(compensator: TrainedCompensator, part: Series) -> None:
-    """Warn where no reading is one that the training had: gain and zero are no way from one unit to another."""
-    from compensation.commands.common import NOTHING_KNOWN
-    from compensation.model.runtime import ranges_of
-    from testbench.recordings.doubts import say_once
-
-    seen, reading = ranges_of(compensator), compensator.scaling_in.apply(part.conductance_S)
-    if ((reading < seen.low) | (reading > seen.high)).all():
-        say_once(f"{part.source}: {NOTHING_KNOWN}")
+    check_tared(recording, target, reach(compensator))
+    say_gaps(recording)
+    return reference_of(recording, target, rate_hz)

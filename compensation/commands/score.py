@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from compensation.commands.common import add_gauge_length, add_recordings
+from compensation.commands import common
 
 SUMMARY = "say how well a compensator predicts recordings that it has not seen"
 EXAMPLE = "compensation score pes.compensator.json campaigns/pes-A campaigns/pes-B --plot pes.png"
@@ -12,8 +12,8 @@ EXAMPLE = "compensation score pes.compensator.json campaigns/pes-A campaigns/pes
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("compensator", metavar="COMPENSATOR", help="file written by `compensation train`")
-    add_recordings(parser)
-    add_gauge_length(parser)
+    common.add_recordings(parser)
+    common.add_gauge_length(parser)
     parser.add_argument("--json", action="store_true", help="print the whole score, traces included, as JSON")
     parser.add_argument("-o", "--output", metavar="FILE", help="write the score as JSON, for report and studio")
     parser.add_argument("--plot", metavar="PNG", help="write a picture: F, G and p over time, zooms, scatter")
@@ -22,21 +22,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     import json
 
-    from compensation.commands.common import check_long_enough, check_places, finish, read_all
     from compensation.model.files import load
     from compensation.scoring.scorecard import score_recordings
     from gcode.support.files import write_text
     from testbench.recordings.doubts import check_distinct
     from testbench.recordings.recording import recorded_duration_s
 
-    check_places(args.output, args.plot)
+    common.check_places(args.output, args.plot)
     compensator = load(args.compensator)
-    recordings = read_all(args, compensator.target)
+    recordings = common.read_all(args, compensator.target)
     check_distinct(recordings, "it would count several times; give each once")
     for recording in recordings:
-        check_long_enough(recording.source, compensator, recorded_duration_s(recording.time_s))
+        common.check_long_enough(recording.source, compensator, recorded_duration_s(recording.time_s))
+        common.say_if_unseen(compensator, recording.source, recording.conductance_S)
     scores = score_recordings(compensator, recordings)
     scores["compensator"]["file"] = args.compensator
     if args.output:
         write_text(args.output, json.dumps(scores, allow_nan=False) + "\n")
-    return finish(args, scores, f"wrote {args.output}" if args.output else "")
+    return common.finish(args, scores, f"wrote {args.output}" if args.output else "")

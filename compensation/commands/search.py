@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from compensation.commands.common import add_gauge_length
+from compensation.commands.common import add_gauge_length, check_places, whole_numbers
 from gcode.support.console import processes
+from gcode.support.errors import UserError
 
 if TYPE_CHECKING:
     from compensation.search.search_space import Candidate
@@ -49,7 +50,6 @@ def run(args: argparse.Namespace) -> int:
     from dataclasses import asdict
     from pathlib import Path
 
-    from compensation.commands.common import check_places
     from compensation.search import search
     from compensation.search.ranking import rank, split_half_agreement
     from gcode.support.console import Progress
@@ -83,7 +83,6 @@ def run(args: argparse.Namespace) -> int:
 def _chosen(args: argparse.Namespace) -> list[Candidate]:
     """The candidates that the options name."""
     from compensation.search import search_space
-    from gcode.support.errors import UserError
 
     if args.sample is not None and args.sample < 1:
         raise UserError(f"--sample must be at least 1, got {args.sample}")
@@ -93,8 +92,6 @@ def _chosen(args: argparse.Namespace) -> list[Candidate]:
 
 
 def _check(args: argparse.Namespace) -> None:
-    from gcode.support.errors import UserError
-
     if len(args.recordings) != 3:
         raise UserError(f"a search needs 3 campaigns: training, test A and test B; got {len(args.recordings)}")
     for flag, value in (("--target", args.target), ("-o", args.output)):
@@ -108,9 +105,6 @@ def _check(args: argparse.Namespace) -> None:
 
 
 def _bases(text: str) -> tuple[int, ...]:
-    from compensation.commands.common import whole_numbers
-    from gcode.support.errors import UserError
-
     bases = whole_numbers(text)
     if not bases or not all(2 <= base <= 256 for base in bases):
         raise UserError(f"--bases must be whole numbers from 2 to 256 with commas, such as 4,8,16; got {text!r}")

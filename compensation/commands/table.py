@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 
+from gcode.support.errors import UserError
+
 SUMMARY = "print the paper's result tables beside ours, on simulated PES and Lycra campaigns"
 EXAMPLE = "compensation table -o table-campaigns --seeds 10 --specimens 10 --engine fast"
 
@@ -25,7 +27,6 @@ def run(args: argparse.Namespace) -> int:
     from compensation.paper import tables
     from compensation.paper.paper_campaigns import RUNS, campaigns
     from gcode.support.console import Progress
-    from gcode.support.errors import UserError
     from gcode.support.files import make_folder
 
     if args.seeds < 2:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from compensation.commands.common import add_gauge_length, add_recordings
+from compensation.commands import common
+from gcode.support.errors import UserError
 
 if TYPE_CHECKING:
     from compensation.model.compensator import TrainedCompensator
@@ -14,15 +15,14 @@ if TYPE_CHECKING:
 
 SUMMARY = "train a compensator on one or more recordings, with what cross-validation promises of it"
 EXAMPLE = "compensation train campaigns/pes-T --target force -o pes.compensator.json"
-
 GIVEN_TWICE = "give each recording once, or cross-validation would predict it from itself"
 # What --method paper is told, and the other methods choose themselves.
 OWN_CHOICES = ("hidden", "factors", "factor", "count", "l2", "restarts", "engine")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    add_recordings(parser)
-    add_gauge_length(parser, "which --twin needs")
+    common.add_recordings(parser)
+    common.add_gauge_length(parser, "which --twin needs")
     parser.add_argument("--target", choices=("force", "displacement"), required=True, help="what to predict")
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="compensator to write (JSON)")
     parser.add_argument(
@@ -36,12 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="MODEL",
         help="learn from one short CAMPAIGN and from campaigns simulated from this fitted model (testbench fit)",
     )
-    parser.add_argument(
-        "--strain",
-        type=float,
-        metavar="X",
-        help="twin: largest strain to prepare for (default 0.3)",
-    )
+    parser.add_argument("--strain", type=float, metavar="X", help="twin: largest strain to prepare for (default 0.3)")
     _add_own_choices(parser)
     parser.add_argument("--seed", type=int, default=0, help="seed of the first start (default 0)")
     parser.add_argument("--irregular", action="store_true", help="use the samples at their own times: no resampling")
@@ -62,24 +57,20 @@ def _add_own_choices(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--l2", type=float, help="paper: MLPRegressor's alpha (default 1e-4)")
     parser.add_argument(
-        "--restarts",
-        type=int,
-        metavar="K",
-        help="paper: keep the best of K starts (default 5; the publication: 1)",
+        "--restarts", type=int, metavar="K", help="paper: keep the best of K starts (default 5; the publication: 1)"
     )
     parser.add_argument("--engine", help="paper: exact (default), fast, or sklearn (the reference)")
 
 
 def run(args: argparse.Namespace) -> int:
-    from compensation.commands.common import check_places, cross_validation_table, finish, read_all
     from compensation.model.files import save
     from compensation.scoring.scorecard import score_recordings
     from testbench.recordings.channels import RESISTANCE
     from testbench.recordings.doubts import check_distinct
 
     options = _options(args)
-    check_places(args.output, args.plot)
-    recordings = read_all(args, "force" if args.twin else args.target)  # a twin is fitted on the force as well
+    common.check_places(args.output, args.plot)
+    recordings = common.read_all(args, "force" if args.twin else args.target)  # a twin is fitted on the force as well
     check_distinct(recordings, GIVEN_TWICE, channels=(RESISTANCE,))
     args.method = args.method or _implied(args)
     _check_long_enough(args, options, recordings)
@@ -93,11 +84,11 @@ def run(args: argparse.Namespace) -> int:
     )
     cross_validated = "cross_validated" in recipe
     if cross_validated:
-        note = f"{cross_validation_table(recipe, compensator.unit)}\n{note}"
+        note = f"{common.cross_validation_table(recipe, compensator.unit)}\n{note}"
     if recipe["dead_networks"] == recipe["restarts"]:
         note += "\nwarning: the network is dead, its output hardly moves: give another --seed or more --restarts"
     # Where there is what was predicted unseen, a score of what was learned by heart would only mislead.
-    return finish(args, score_recordings(compensator, recordings), note, table=not cross_validated)
+    return common.finish(args, score_recordings(compensator, recordings), note, table=not cross_validated)
 
 
 def _implied(args: argparse.Namespace) -> str:
@@ -110,7 +101,6 @@ def _check_long_enough(args: argparse.Namespace, options: Options, recordings: l
     """A filter that remembers longer than the recording lasts never leaves its initial value."""
     from compensation.memories.ema import smoothing_factors
     from compensation.training.learners import COUNT, FACTOR
-    from gcode.support.errors import UserError
     from testbench.recordings.recording import recorded_duration_s
 
     bank = smoothing_factors(FACTOR, COUNT) if args.method == "auto" else options.bank
@@ -143,16 +133,15 @@ def _bank(recipe) -> str:
 
 def _options(args: argparse.Namespace) -> Options:
     """The options that were given, checked; the others are the paper's."""
-    from compensation.commands.common import parse_factors, parse_sizes
     from compensation.engines.engine import engine
     from compensation.training.options import Options
 
     _check(args)
     given = {name: getattr(args, name) for name in OWN_CHOICES if getattr(args, name) is not None}
     if "hidden" in given:
-        given["sizes"] = parse_sizes(given.pop("hidden"))
+        given["sizes"] = common.parse_sizes(given.pop("hidden"))
     if "factors" in given:
-        given["alphas"] = parse_factors(given.pop("factors"))
+        given["alphas"] = common.parse_factors(given.pop("factors"))
     options = Options(seed=args.seed, irregular=args.irregular, per_recording=args.per_recording, **given)
     if chosen := _for_use(args):
         options.check_for_use(chosen)
@@ -167,7 +156,6 @@ def _for_use(args: argparse.Namespace) -> str:
 
 def _check(args: argparse.Namespace) -> None:
     from compensation.training.options import HIGHEST_SEED
-    from gcode.support.errors import UserError
 
     chosen = _for_use(args)
     for name in OWN_CHOICES:
@@ -201,7 +189,6 @@ def _from_twin(args: argparse.Namespace, recordings: list[Recording], options: O
     from compensation.series.reading import UNKNOWN_LENGTH_MM
     from compensation.training import twin
     from gcode.support.console import Progress
-    from gcode.support.errors import UserError
     from testbench.results.model_file import load_model_file
 
     if len(recordings) != 1:

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compensation.engines.adam_kernels import epoch
 from compensation.engines.network import Network
@@ -87,7 +86,7 @@ def train_adam(
     mean, curve = flat, list[float]()
     order, best, stale, steps = np.arange(len(features)), np.inf, 0, 0
     while len(curve) < max_epochs and stale <= PATIENCE:
-        order = order[_permutation(rng, len(order))]
+        order = order[rng.permutation(len(order))]
         total, steps = epoch(features, target, order, widths_array, flat, first, second, steps, l2, batch, rate)
         loss = total / len(order)
         curve.append(loss)
@@ -96,9 +95,3 @@ def train_adam(
         share = max(1.0 - averaging, 1.0 / len(curve))
         mean = (1.0 - share) * mean + share * flat
     return unflatten(mean, widths), np.asarray(curve)
-
-
-def _permutation(rng: np.random.RandomState, count: int) -> NDArray[np.int64]:
-    indices = np.arange(count)
-    rng.shuffle(indices)
-    return indices

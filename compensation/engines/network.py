@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gcode.support.arrays import FloatArray
 from gcode.support.read_only import Unchanging
@@ -16,18 +17,10 @@ DEAD_SPREAD = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Network(Unchanging):
-    """A multilayer perceptron with relu hidden layers and a linear output.
+    """A multilayer perceptron with relu hidden layers and a linear output."""
 
-    Attributes
-    ----------
-    weights : tuple of ndarray
-        One a layer, each shape (inputs, outputs).
-    biases : tuple of ndarray
-        One a layer, each shape (outputs,).
-    """
-
-    weights: tuple[FloatArray, ...]
-    biases: tuple[FloatArray, ...]
+    weights: tuple[FloatArray, ...]  # one a layer, each (inputs, outputs)
+    biases: tuple[FloatArray, ...]  # one a layer, each (outputs,)
 
     @property
     def sizes(self) -> tuple[int, ...]:
@@ -58,15 +51,17 @@ class Network(Unchanging):
         first = self.weights[0] * scale[:, None]
         return Network((first, *self.weights[1:]), (self.biases[0] - shift @ first, *self.biases[1:]))
 
+    def reading(self, columns: NDArray[np.bool_]) -> Network:
+        """The same function of more inputs: it takes those that are marked, and the others have no weight."""
+        first = np.zeros((len(columns), self.weights[0].shape[1]))
+        first[columns] = self.weights[0]
+        return replace(self, weights=(first, *self.weights[1:]))
+
     def times(self, factor: float) -> Network:
         """The same function, its output multiplied by `factor`."""
         *weights, last_weight = self.weights
         *biases, last_bias = self.biases
         return Network((*weights, last_weight * factor), (*biases, last_bias * factor))
-
-    def to_dict(self) -> dict:
-        """Plain lists, for JSON."""
-        return {"weights": [w.tolist() for w in self.weights], "biases": [b.tolist() for b in self.biases]}
 
     @classmethod
     def from_lists(cls, weights: Sequence, biases: Sequence) -> Network:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Hashable
-from dataclasses import dataclass
+from collections.abc import Hashable, Iterable
 from numbers import Integral
 from pathlib import Path
 from typing import Any
@@ -12,15 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.base import BaseEstimator, RegressorMixin
+from sklearn.linear_model import Ridge
 from sklearn.metrics import r2_score
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from compensation.memories.ema import PAPER_RATE_HZ, smooth, smoothing_factors
+from compensation.memories.ema import PAPER_COUNT, PAPER_RATE_HZ, smooth, smoothing_factors
 from compensation.model.compensator import TrainedCompensator
 from compensation.model.files import LARGEST_RATE_HZ, SMALLEST_RATE_HZ, save
 from compensation.model.runtime import check_streams
 from compensation.model.streaming import CompensatorStream
-from compensation.series.preprocessing import TARGETS, Series
+from compensation.series.preprocessing import TARGETS, Series, stands_still
 from compensation.training.options import HIGHEST_SEED, Options
 from compensation.training.training import METHODS
 from gcode.support.arrays import FloatArray
@@ -115,9 +115,13 @@ class Compensator(RegressorMixin, BaseEstimator):
         self.compensator_: TrainedCompensator | None = None
         self._ridge: _Ridge | None = None
         if self._why_ridge:
-            self._ridge = _Ridge.learned(X, y, list(parts.values()), self.rate_hz)
+            self._ridge = _Ridge(X, y, parts.values(), self.rate_hz)
         else:
-            self.compensator_ = self._trained([self._series(X[rows, 0], y[rows]) for rows in parts.values()])
+            series = [
+                Series(np.arange(len(rows)) / self.rate_hz, X[rows, 0], y[rows], "fit") for rows in parts.values()
+            ]
+            options = Options(seed=int(self.seed), rate_hz=float(self.rate_hz))
+            self.compensator_ = METHODS[self.method](series, self.target, options)
         return self
 
     def predict(self, X: Any, groups: Any = None) -> FloatArray:
@@ -186,16 +190,9 @@ class Compensator(RegressorMixin, BaseEstimator):
         if len(X) < max(FEWEST_S * self.rate_hz, FEWEST_ROWS):
             has = f"{len(X)} rows are {len(X) / self.rate_hz:.3g} s"
             return f"{has}, the others need {FEWEST_S:g} s in {FEWEST_ROWS} rows"
-        if np.ptp(X) == 0 or np.ptp(y) == 0:
+        if stands_still(X) or stands_still(y):
             return "the conductance or the target is constant"
         return ""
-
-    def _series(self, conductance_S: FloatArray, truth: FloatArray) -> Series:
-        return Series(np.arange(len(truth)) / self.rate_hz, conductance_S, truth, "fit")
-
-    def _trained(self, series: list[Series]) -> TrainedCompensator:
-        options = Options(seed=int(self.seed), rate_hz=float(self.rate_hz))
-        return METHODS[self.method](series, self.target, options)
 
     def __sklearn_tags__(self) -> Any:
         tags = super().__sklearn_tags__()
@@ -204,35 +201,25 @@ class Compensator(RegressorMixin, BaseEstimator):
         return tags
 
 
-@dataclass(frozen=True)
 class _Ridge:
     """A ridge regression on the smoothing bank of each column, standardised by the training."""
 
-    mean: FloatArray
-    scale: FloatArray
-    weights: FloatArray
-    bias: float
-    rate_hz: float
-
-    @classmethod
-    def learned(cls, X: FloatArray, y: FloatArray, parts: list[NDArray[np.intp]], rate_hz: float) -> _Ridge:
-        mean, scale = X.mean(axis=0), np.where(X.std(axis=0) > 0, X.std(axis=0), 1.0)
-        features = np.empty((len(X), X.shape[1] * len(smoothing_factors())))
+    def __init__(self, X: FloatArray, y: FloatArray, parts: Iterable[NDArray[np.intp]], rate_hz: float) -> None:
+        still = [stands_still(column) for column in X.T]
+        self._mean, self._scale = X.mean(axis=0), np.where(still, 1.0, X.std(axis=0))
+        self._rate_hz = rate_hz
+        features = np.empty((len(X), X.shape[1] * PAPER_COUNT))
         for rows in parts:
-            features[rows] = _memories((X[rows] - mean) / scale, rate_hz)
-        centre = features.mean(axis=0)
-        centred = features - centre
-        gram = centred.T @ centred / len(X) + RIDGE_L2 * np.eye(features.shape[1])
-        weights = np.linalg.solve(gram, centred.T @ (y - y.mean()) / len(X))
-        return cls(mean, scale, weights, float(y.mean() - centre @ weights), rate_hz)
+            features[rows] = self._memories(X[rows])
+        self._line = Ridge(RIDGE_L2 * len(X)).fit(features, y)
 
     def predict(self, X: FloatArray) -> FloatArray:
         """Target of one recording's rows."""
-        return _memories((X - self.mean) / self.scale, self.rate_hz) @ self.weights + self.bias
+        return self._line.predict(self._memories(X))
 
-
-def _memories(standardised: FloatArray, rate_hz: float) -> FloatArray:
-    return np.hstack([smooth(column, smoothing_factors(), rate_hz, start="causal") for column in standardised.T])
+    def _memories(self, X: FloatArray) -> FloatArray:
+        columns = ((X - self._mean) / self._scale).T
+        return np.hstack([smooth(column, smoothing_factors(), self._rate_hz, start="causal") for column in columns])
 
 
 def _parts(count: int, groups: Any) -> dict[Hashable, NDArray[np.intp]]:

@@ -1,7 +1,4 @@
-"""The C header's text, as C: ``$name`` and the like are filled in by `compensation.export.export_c`.
-
-`HEADER` is the whole; the others are what a compensator with a history has in it beside the smoothing bank.
-"""
+"""The C header's text, as C: ``$name`` and the like are filled in by `compensation.export.export_c`."""
 
 from __future__ import annotations
 
@@ -35,6 +32,8 @@ $flags
 #define ${NAME}_FILTERS ${filters}u
 #define ${NAME}_INPUTS ${inputs}u
 #define ${NAME}_WIDEST ${widest}u
+#define ${NAME}_MOTIONS ${motions}u
+#define ${NAME}_PLAYS ${plays}u
 #define ${NAME}_RATE_HZ $rate
 $margins
 typedef struct {
@@ -46,18 +45,19 @@ typedef struct {
     float value;                  /* the last prediction */
     uint32_t seen;                /* samples so far, as long as a start is not known */
     uint32_t status;              /* flags of the last sample; 0: good */
-${history_state}} ${name}_state;
+#if ${NAME}_MOTIONS + ${NAME}_PLAYS > 0
+    float settled;                /* the lightly smoothed signal */
+    float settled_lost;           /* what rounding has taken from it */
+#endif
+#if ${NAME}_MOTIONS > 0
+    float motion[${NAME}_MOTIONS]; /* its smoothed speeds */
+#endif
+#if ${NAME}_PLAYS > 0
+    float play[${NAME}_PLAYS];     /* its play operators */
+#endif
+} ${name}_state;
 
-static const float ${name}_alpha[$filters] = {$alphas};
-static const float ${name}_log_keep[$filters] = {$log_keep};
-static const float ${name}_start_steps[$filters] = {$lengths};
-static const float ${name}_begin_gain[$filters] = {$begin_gain};
-static const float ${name}_begin_offset[$filters] = {$begin_offset};
-static const float ${name}_limits[2] = {$limits};
-static const float ${name}_seen[2] = {$seen};
-static const float ${name}_inputs_low[$inputs] = {$inputs_low};
-static const float ${name}_inputs_high[$inputs] = {$inputs_high};
-$history_tables$tables
+$tables
 
 static inline void ${name}_reset(${name}_state *s) {
     for (uint32_t i = 0u; i < ${NAME}_FILTERS; i++) {
@@ -70,7 +70,17 @@ static inline void ${name}_reset(${name}_state *s) {
     s->value = $offset;
     s->seen = 0u;
     s->status = ${NAME}_STARTING;
-${history_reset}}
+#if ${NAME}_MOTIONS + ${NAME}_PLAYS > 0
+    s->settled = 0.0f;
+    s->settled_lost = 0.0f;
+#endif
+#if ${NAME}_MOTIONS > 0
+    for (uint32_t i = 0u; i < ${NAME}_MOTIONS; i++) { s->motion[i] = 0.0f; }
+#endif
+#if ${NAME}_PLAYS > 0
+    for (uint32_t i = 0u; i < ${NAME}_PLAYS; i++) { s->play[i] = 0.0f; }
+#endif
+}
 
 /* 1 - exp(x) for x <= 0, accurate near zero: a series after halving, then squared up again. */
 static inline float ${name}_gain(float x) {
@@ -147,7 +157,35 @@ static inline void ${name}_remember(${name}_state *s, float x, float dt_s, float
         const float initial = ${name}_begin_offset[i] + (${name}_begin_gain[i] * s->start[i]);
         features[i] = s->forced[i] + (s->fading[i] * initial);
     }
-${history_update}}
+#if ${NAME}_MOTIONS + ${NAME}_PLAYS > 0
+    const float dt = (nominal != 0u) ? (1.0f / ${NAME}_RATE_HZ) : ((first != 0u) ? 0.0f : dt_s);
+    const float moved = ((nominal != 0u) ? $settle_gain : ${name}_gain($per_settle * dt)) * (x - s->settled);
+    const float step = moved - s->settled_lost;
+    const float next = s->settled + step;
+    s->settled_lost = (first != 0u) ? 0.0f : ((next - s->settled) - step);
+    s->settled = (first != 0u) ? x : next;
+#endif
+#if ${NAME}_MOTIONS > 0
+    const float speed = (dt > 0.0f) ? (((moved < 0.0f) ? -moved : moved) / dt) : 0.0f;
+    for (uint32_t i = 0u; i < ${NAME}_MOTIONS; i++) {
+        const float slow = (nominal != 0u) ? ${name}_motion_gain[i] : ${name}_gain(${name}_per_s[i] * dt);
+        const float begun = ${name}_motion_begin_offset[i] + (${name}_motion_begin_gain[i] * x);
+        s->motion[i] = (first != 0u) ? begun : (s->motion[i] + (slow * (speed - s->motion[i])));
+        features[${NAME}_FILTERS + i] = s->motion[i];
+    }
+#endif
+#if ${NAME}_PLAYS > 0
+    for (uint32_t i = 0u; i < ${NAME}_PLAYS; i++) {
+        const float r = ${name}_play_radius[i], low = s->settled - r, high = s->settled + r;
+        if (first != 0u) {
+            s->play[i] = ${name}_play_begin_offset[i] + (${name}_play_begin_gain[i] * x);
+        }
+        s->play[i] = (s->play[i] < low) ? low : s->play[i];
+        s->play[i] = (s->play[i] > high) ? high : s->play[i];
+        features[${NAME}_FILTERS + ${NAME}_MOTIONS + i] = s->play[i];
+    }
+#endif
+}
 
 /* Feed one sample: conductance in S, seconds since the last good one (ignored for the first). Returns $unit. */
 static inline float ${name}_update(${name}_state *s, float conductance_S, float dt_s) {
@@ -175,61 +213,4 @@ $calls
 }
 
 #endif
-""")
-
-SETTLED_STATE = Template("""\
-    float settled;                /* the lightly smoothed signal */
-    float settled_lost;           /* what rounding has taken from it */
-""")
-
-SETTLED_RESET = Template("""\
-    s->settled = 0.0f;
-    s->settled_lost = 0.0f;
-""")
-
-SETTLED_UPDATE = Template("""\
-    const float dt = (nominal != 0u) ? (1.0f / ${NAME}_RATE_HZ) : ((first != 0u) ? 0.0f : dt_s);
-    const float moved = ((nominal != 0u) ? ${name}_settle_gain : ${name}_gain($per_settle * dt)) * (x - s->settled);
-    const float step = moved - s->settled_lost;
-    const float next = s->settled + step;
-    s->settled_lost = (first != 0u) ? 0.0f : ((next - s->settled) - step);
-    s->settled = (first != 0u) ? x : next;
-""")
-
-MOTION_STATE = Template("""\
-    float motion[$motions];              /* its smoothed speeds */
-""")
-
-MOTION_RESET = Template("""\
-    for (uint32_t i = 0u; i < ${motions}u; i++) { s->motion[i] = 0.0f; }
-""")
-
-MOTION_UPDATE = Template("""\
-    const float speed = (dt > 0.0f) ? (((moved < 0.0f) ? -moved : moved) / dt) : 0.0f;
-    for (uint32_t i = 0u; i < ${motions}u; i++) {
-        const float slow = (nominal != 0u) ? ${name}_motion_gain[i] : ${name}_gain(${name}_per_s[i] * dt);
-        const float begun = ${name}_motion_begin_offset[i] + (${name}_motion_begin_gain[i] * x);
-        s->motion[i] = (first != 0u) ? begun : (s->motion[i] + (slow * (speed - s->motion[i])));
-        features[${filters}u + i] = s->motion[i];
-    }
-""")
-
-PLAY_STATE = Template("""\
-    float play[$plays];                /* its play operators */
-""")
-
-PLAY_RESET = Template("""\
-    for (uint32_t i = 0u; i < ${plays}u; i++) { s->play[i] = 0.0f; }
-""")
-
-PLAY_UPDATE = Template("""\
-    for (uint32_t i = 0u; i < ${plays}u; i++) {
-        const float r = ${name}_play_radius[i], low = s->settled - r, high = s->settled + r;
-        if (first != 0u) {
-            s->play[i] = ${name}_play_begin_offset[i] + (${name}_play_begin_gain[i] * x);
-        }
-        s->play[i] = (s->play[i] < low) ? low : s->play[i];
-        s->play[i] = (s->play[i] > high) ? high : s->play[i];
-        features[${first_play}u + i] = s->play[i];
-    }
 """)

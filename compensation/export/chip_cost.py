@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 import tempfile
 from dataclasses import dataclass
@@ -10,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from compensation.export.export_c_history import constants_bytes, multiplies, state_bytes
 from compensation.memories.ema import log_retention
 from compensation.model.compensator import TrainedCompensator
 
@@ -20,39 +18,27 @@ SERIES, LARGEST_EXPONENT = 6, 0.5
 
 @dataclass(frozen=True)
 class Cost:
-    """What a compensator needs on a chip.
+    """What a compensator needs on a chip."""
 
-    Attributes
-    ----------
-    constants_bytes : int
-        Weights, biases and filter constants, in flash.
-    state_bytes : int
-        RAM kept between samples.
-    scratch_bytes : int
-        Stack used while a sample is worked on (layer values).
-    multiplies : int
-        Multiplications a sample at the nominal step.
-    multiplies_any_step : int
-        The same at a step that is not nominal to a millionth, as a clock gives: every filter's gain is made anew.
-    """
-
-    constants_bytes: int
-    state_bytes: int
-    scratch_bytes: int
-    multiplies: int
+    constants_bytes: int  # flash: weights, biases and filter constants
+    state_bytes: int  # RAM kept between samples
+    scratch_bytes: int  # stack used while a sample is worked on (layer values)
+    multiplies: int  # a sample at the nominal step
+    # The same at a step that is not nominal to a millionth, as a clock gives: every filter's gain is made anew.
     multiplies_any_step: int
 
 
 def cost(compensator: TrainedCompensator) -> Cost:
     """Count bytes and multiplications."""
-    filters = len(compensator.alphas)
+    filters, history = len(compensator.alphas), compensator.history
+    motions, plays, remembers = len(history.motion_taus_s), len(history.play_radii), int(history.count > 0)
     weights = sum(matrix.size for network in compensator.networks for matrix in network.weights)
     widest = max(max(network.sizes, default=1) for network in compensator.networks)
-    nominal = weights + 4 * filters + 1 + multiplies(compensator.history)
+    constants = compensator.parameter_count + 5 * filters + 2 * compensator.input_count + 4
+    nominal = weights + 4 * filters + 1 + 2 * motions + plays + 2 * remembers
     return Cost(
-        constants_bytes=4 * (compensator.parameter_count + 5 * filters + 2 * compensator.input_count + 4)
-        + constants_bytes(compensator.history),
-        state_bytes=4 * (4 * filters + 4) + state_bytes(compensator.history),
+        constants_bytes=4 * (constants + 4 * motions + 3 * plays + remembers),
+        state_bytes=4 * (4 * filters + 4 + history.count + 2 * remembers),
         scratch_bytes=4 * (compensator.input_count + 2 * widest),
         multiplies=nominal,
         multiplies_any_step=nominal + _gains(compensator),
@@ -70,8 +56,6 @@ def _gains(compensator: TrainedCompensator) -> int:
 
 def code_bytes(header: str, name: str) -> int | None:
     """Machine code of ``update`` and ``reset`` as this machine's gcc makes it (-Os); None without such a compiler."""
-    if shutil.which("gcc") is None or shutil.which("size") is None:
-        return None
     caller = (
         f'#include "h.h"\nfloat u({name}_state *s, float g, float t) {{ return {name}_update(s, g, t); }}\n'
         f"void r({name}_state *s) {{ {name}_reset(s); }}\n"
@@ -82,7 +66,7 @@ def code_bytes(header: str, name: str) -> int | None:
         try:
             subprocess.run(["gcc", "-Os", "-c", "u.c", "-o", "u.o"], cwd=folder, check=True, capture_output=True)
             sized = subprocess.run(["size", "-A", "u.o"], cwd=folder, check=True, capture_output=True, text=True)
-        except (OSError, subprocess.CalledProcessError):  # other tools of these names
+        except (OSError, subprocess.CalledProcessError):  # no such tools, or others of these names
             return None
     rows = (line.split() for line in sized.stdout.splitlines())
     return sum(int(row[1]) for row in rows if row and row[0].startswith(".text"))

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compensation.engines.network import Network
 from compensation.export.c_template import HEADER
 from compensation.export.chip_cost import cost
-from compensation.export.export_c_history import number, pieces
 from compensation.memories.ema import log_retention, start_samples
 from compensation.model.compensator import Fitted, TrainedCompensator, trained
 from compensation.model.runtime import (
@@ -24,6 +23,7 @@ from compensation.model.runtime import (
     limits_of,
     ranges_of,
 )
+from gcode.support.arrays import FloatArray
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
 
@@ -78,58 +78,75 @@ def c_header(compensator: TrainedCompensator | Fitted, name: str = "knitbench") 
         raise UserError(f"`name` must be a C identifier, got {name!r}")
     compensator = trained(compensator)
     check_streams(compensator)
-    needs, lengths = cost(compensator), start_samples(compensator.alphas, compensator.rate_hz)
-    seen, begin, limits = ranges_of(compensator), beginning_of(compensator), limits_of(compensator)
-    slack = PROMISED + rounding(compensator)
-    filters = len(compensator.alphas)
     # The last layers take over the output's scale and the share in the mean.
     share = compensator.scaling_out.scale / len(compensator.networks)
     networks = [network.times(share) for network in compensator.networks]
-    widest = max(max(network.sizes, default=1) for network in networks)
-    tables = [_network_tables(name, index, network) for index, network in enumerate(networks)]
-    calls = [_network_call(name, index, network) for index, network in enumerate(networks)]
+    history, rate_hz = compensator.history, compensator.rate_hz
     return HEADER.substitute(
         name=name,
         NAME=name.upper(),
         version=knitbench_version(),
         target=compensator.target,
         unit=compensator.unit,
-        filters=filters,
-        limits=_numbers(np.array(limits)),
-        seen=_numbers(np.array([seen.low - slack, seen.high + slack])),
-        inputs_low=_numbers(seen.inputs_low - slack),
-        inputs_high=_numbers(seen.inputs_high + slack),
-        begin_gain=_numbers(begin.gain[:filters]),
-        begin_offset=_numbers(begin.offset[:filters]),
+        filters=len(compensator.alphas),
+        inputs=compensator.input_count,
+        widest=max(max(network.sizes, default=1) for network in networks),
+        motions=len(history.motion_taus_s),
+        plays=len(history.play_radii),
         flags=_flags(name.upper()),
         margins=_margins(name.upper(), compensator.margins),
-        shortest=number(SHORTEST_STEP_S),
-        longest=number(LONGEST_STEP_S),
-        smallest=number(SMALLEST_CONDUCTANCE_S),
-        largest=number(LARGEST_CONDUCTANCE_S),
-        widest=widest,
-        rate=number(compensator.rate_hz),
-        mean=number(compensator.scaling_in.mean),
-        inverse=number(1.0 / compensator.scaling_in.scale),
-        alphas=_numbers(compensator.alphas),
-        log_keep=_numbers(log_retention(compensator.alphas)),
-        lengths=_numbers(lengths - 0.5),
-        tables="\n".join(tables),
-        calls="\n".join(calls),
-        offset=number(compensator.scaling_out.mean),
-        inputs=compensator.input_count,
-        **vars(needs),
-        **pieces(compensator, name),
+        shortest=_number(SHORTEST_STEP_S),
+        longest=_number(LONGEST_STEP_S),
+        smallest=_number(SMALLEST_CONDUCTANCE_S),
+        largest=_number(LARGEST_CONDUCTANCE_S),
+        rate=_number(rate_hz),
+        mean=_number(compensator.scaling_in.mean),
+        inverse=_number(1.0 / compensator.scaling_in.scale),
+        offset=_number(compensator.scaling_out.mean),
+        per_settle=_number(-1.0 / history.settle_s),
+        settle_gain=_number(-np.expm1(-1.0 / (rate_hz * history.settle_s))),
+        tables="\n".join(_table(f"{name}_{what}", values) for what, values in _tables(compensator, networks)),
+        calls="\n".join(_network_call(name, index, network) for index, network in enumerate(networks)),
+        **vars(cost(compensator)),
     )
 
 
-def _network_tables(name: str, index: int, network: Network) -> str:
-    lines = []
-    for layer, (weight, bias) in enumerate(zip(network.weights, network.biases, strict=True)):
-        # Transposed: the weights of one unit lie side by side.
-        lines.append(f"static const float {name}_w{index}_{layer}[{weight.size}] = {{{_numbers(weight.T.ravel())}}};")
-        lines.append(f"static const float {name}_b{index}_{layer}[{bias.size}] = {{{_numbers(bias)}}};")
-    return "\n".join(lines)
+def _tables(compensator: TrainedCompensator, networks: Sequence[Network]) -> Iterator[tuple[str, FloatArray]]:
+    """Name and numbers of every array of constants that is used."""
+    seen, begin, history = ranges_of(compensator), beginning_of(compensator), compensator.history
+    slack = PROMISED + rounding(compensator)
+    yield "limits", np.array(limits_of(compensator))
+    yield "seen", np.array([seen.low - slack, seen.high + slack])
+    yield "inputs_low", seen.inputs_low - slack
+    yield "inputs_high", seen.inputs_high + slack
+    yield "alpha", compensator.alphas
+    yield "log_keep", log_retention(compensator.alphas)
+    yield "start_steps", start_samples(compensator.alphas, compensator.rate_hz) - 0.5
+    ends = np.cumsum([len(compensator.alphas), len(history.motion_taus_s)])
+    kinds = ("", "motion_", "play_")
+    for kind, gain, offset in zip(kinds, np.split(begin.gain, ends), np.split(begin.offset, ends), strict=True):
+        if len(gain):
+            yield f"{kind}begin_gain", gain
+            yield f"{kind}begin_offset", offset
+    if history.motion_taus_s:
+        per_s = -1.0 / np.asarray(history.motion_taus_s)
+        yield "per_s", per_s
+        yield "motion_gain", -np.expm1(per_s / compensator.rate_hz)
+    if history.play_radii:
+        yield "play_radius", np.asarray(history.play_radii)
+    for index, network in enumerate(networks):
+        for layer, (weight, bias) in enumerate(zip(network.weights, network.biases, strict=True)):
+            yield f"w{index}_{layer}", weight.T.ravel()  # the weights of one unit lie side by side
+            yield f"b{index}_{layer}", bias
+
+
+def _table(name: str, values: FloatArray) -> str:
+    return f"static const float {name}[{len(values)}] = {{{', '.join(map(_number, values))}}};"
+
+
+def _number(value: float) -> str:
+    """A float constant of C, as its float32 is written."""
+    return f"{float(np.float32(value))!r}f"
 
 
 def _network_call(name: str, index: int, network: Network) -> str:
@@ -159,12 +176,8 @@ def _flags(prefix: str) -> str:
 def _margins(prefix: str, margins: tuple[float, float] | None) -> str:
     if margins is None:
         return ""
-    low, high = map(number, margins)
+    low, high = map(_number, margins)
     return (
         "/* Added to a value: the ends of the interval that holds 90 % of the errors to be expected. */\n"
         f"#define {prefix}_MARGIN_LOW ({low})\n#define {prefix}_MARGIN_HIGH ({high})\n"
     )
-
-
-def _numbers(values: NDArray) -> str:
-    return ", ".join(number(value) for value in values)

@@ -86,10 +86,10 @@ class _Graph:
         self.nodes: list[Any] = []
         self.constants: list[Any] = []
 
-    def constant(self, name: str, values: Any) -> str:
+    def constant(self, name: str, values: Any, kind: type = np.float64) -> str:
         from onnx import numpy_helper
 
-        self.constants.append(numpy_helper.from_array(np.asarray(values, dtype=np.float64), name))
+        self.constants.append(numpy_helper.from_array(np.asarray(values, dtype=kind), name))
         return name
 
     def __call__(self, kind: str, *inputs: str, out: str | None = None, **attributes: Any) -> str:
@@ -158,7 +158,7 @@ def _fault(graph: _Graph, compensator: TrainedCompensator) -> str:
     rate_hz = compensator.rate_hz
     graph.constant("zero", [0.0])
     # One filter's count is enough: zero before the first good sample.
-    graph("Slice", "seen", *(_index(graph, f"slice_{k}", k) for k in (0, 1)), out="counted")
+    graph("Slice", "seen", *(graph.constant(f"slice_{k}", [k], np.int64) for k in (0, 1)), out="counted")
     first = graph("Equal", "counted", "zero")
     step = graph("Where", first, graph.constant("one", [1.0]), "steps")
     flags = []
@@ -171,13 +171,6 @@ def _fault(graph: _Graph, compensator: TrainedCompensator) -> str:
         wrong = graph("Number", graph("Not", graph("And", above, below)))
         flags.append(graph("Mul", wrong, graph.constant(f"{name}_flag", [float(flag)])))
     return graph("Add", *flags)
-
-
-def _index(graph: _Graph, name: str, value: int) -> str:
-    from onnx import numpy_helper
-
-    graph.constants.append(numpy_helper.from_array(np.array([value], dtype=np.int64), name))
-    return name
 
 
 def _status(

@@ -28,11 +28,6 @@ class OnnxStream:
         "N" or "mm".
     margins : tuple of float, optional
         Added to a value: the ends of the interval that holds 90 % of the errors to be expected.
-
-    Raises
-    ------
-    UserError
-        If `onnxruntime` is missing, or the file is not such a model.
     """
 
     def __init__(self, path: str | Path) -> None:

@@ -71,56 +71,31 @@ def log_retention(alphas: FloatArray) -> FloatArray:
     return np.log1p(-np.minimum(alphas, 1 - 1e-16))
 
 
-Affine = tuple[FloatArray, FloatArray]
-
-
 def smooth(
-    x: FloatArray, alphas: FloatArray, rate_hz: float, start: str = "paper", affine: Affine | None = None
+    x: FloatArray,
+    alphas: FloatArray,
+    rate_hz: float,
+    start: str = "paper",
+    affine: tuple[FloatArray, FloatArray] | None = None,
+    step_s: FloatArray | None = None,
 ) -> FloatArray:
-    """Smooth a uniformly sampled signal with every factor.
+    """Smooth a signal with every factor, on a uniform grid or at the times it was sampled.
+
+    A step of ``dt`` seconds counts as ``f dt`` steps of the bank: ``alpha_eff = 1 - (1 - alpha)^(f dt)``.
 
     Parameters
     ----------
     x : ndarray, shape (n,)
-        Signal on a uniform grid at `rate_hz`.
     alphas : ndarray, shape (k,)
     rate_hz : float
-        Sampling rate; only the initial value depends on it.
+        Rate that `alphas` refer to.
     start : {"paper", "causal"}
         ``paper``: ``y(0)`` is the mean of the first M samples, which looks M - 1 samples ahead. ``causal``: the mean
         of those seen so far, as a stream must; both agree from sample M - 1 on.
     affine : tuple of two ndarrays, each shape (k,), optional
-        Gain and offset of each filter: ``y(0)`` is ``offset + gain * mean`` (`compensation.model.ranges.Beginning`).
-
-    Returns
-    -------
-    ndarray, shape (n, k)
-    """
-    from scipy.signal import lfilter
-
-    x = np.asarray(x, dtype=np.float64)
-    out = np.empty((len(x), len(alphas)))
-    for column, (alpha, count) in enumerate(zip(alphas, start_samples(alphas, rate_hz), strict=True)):
-        initial = _moved(_initial_values(x, int(count), start), affine, column)
-        forced = np.zeros(len(x))
-        if len(x) > 1:
-            forced[1:] = lfilter([alpha], [1.0, alpha - 1.0], x[1:])
-        out[:, column] = forced + (1.0 - alpha) ** np.arange(len(x)) * initial
-    return out
-
-
-def smooth_irregular(
-    x: FloatArray,
-    time_s: FloatArray,
-    alphas: FloatArray,
-    rate_hz: float,
-    start: str = "paper",
-    affine: Affine | None = None,
-) -> FloatArray:
-    """Smooth a signal at the times it was sampled: no resampling.
-
-    A step of ``dt`` seconds counts as ``f dt`` steps of the bank: ``alpha_eff = 1 - (1 - alpha)^(f dt)``. On a
-    uniform grid at `rate_hz` this is `smooth`.
+        Gain and offset of each filter: ``y(0)`` is ``offset + gain * mean``.
+    step_s : ndarray, shape (n - 1,), optional
+        Time from each sample to the next; a uniform grid at `rate_hz` where it is not given.
 
     Returns
     -------
@@ -128,12 +103,14 @@ def smooth_irregular(
     """
     from compensation.memories.compiled_filters import smooth_steps
 
-    x, steps = np.asarray(x, dtype=np.float64), np.diff(np.asarray(time_s, dtype=np.float64)) * rate_hz
+    x = np.ascontiguousarray(x, dtype=np.float64)
+    steps = np.ones(len(x) - 1) if step_s is None else step_s * rate_hz
     elapsed = np.concatenate([[0.0], np.cumsum(steps)])
+    gain, offset = affine or (np.ones(len(alphas)), np.zeros(len(alphas)))
     out = np.empty((len(x), len(alphas)))
     for column, (alpha, count) in enumerate(zip(alphas, start_samples(alphas, rate_hz), strict=True)):
         within = max(int(np.searchsorted(elapsed, count - 0.5)), 1)
-        initial = _moved(_initial_values(x, within, start), affine, column)
+        initial = offset[column] + gain[column] * _initial_values(x, within, start)
         retention = np.exp(log_retention(alpha) * steps)
         weight = np.concatenate([[1.0], np.cumprod(retention)])
         out[:, column] = smooth_steps(x, retention) + weight * initial
@@ -149,10 +126,3 @@ def _initial_values(x: FloatArray, count: int, start: str) -> FloatArray | float
         raise UserError(f"the bank's start must be 'paper' or 'causal', got {start!r}")
     seen = np.cumsum(head) / np.arange(1, len(head) + 1)
     return np.concatenate([seen, np.full(len(x) - len(head), seen[-1])])
-
-
-def _moved(initial: FloatArray | float, affine: Affine | None, column: int) -> FloatArray | float:
-    if affine is None:
-        return initial
-    gain, offset = affine
-    return offset[column] + gain[column] * initial

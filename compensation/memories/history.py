@@ -25,21 +25,11 @@ QUICK_SETTLE_S = 0.05
 
 @dataclass(frozen=True)
 class History:
-    """Which of these memories a compensator has; none by default.
+    """Which of these memories a compensator has; none by default."""
 
-    Attributes
-    ----------
-    motion_taus_s : tuple of float
-        Time constants over which the speed is smoothed.
-    play_radii : tuple of float
-        Half-widths r, in standard deviations of the conductance over the training recording.
-    settle_s : float
-        Time constant of the light smoothing.
-    """
-
-    motion_taus_s: tuple[float, ...] = ()
-    play_radii: tuple[float, ...] = ()
-    settle_s: float = SETTLE_S
+    motion_taus_s: tuple[float, ...] = ()  # time constants over which the speed is smoothed
+    play_radii: tuple[float, ...] = ()  # half-widths r, in standard deviations of the training's conductance
+    settle_s: float = SETTLE_S  # time constant of the light smoothing
 
     @property
     def count(self) -> int:

@@ -9,14 +9,16 @@ from typing import Any, Protocol
 import numpy as np
 
 from compensation.engines.network import Network, mean_output
-from compensation.memories.ema import smooth, smooth_irregular
+from compensation.memories.ema import smooth
 from compensation.memories.history import NO_HISTORY, History
-from compensation.model.ranges import Beginning, Seen
 from compensation.series.preprocessing import TARGETS, Series
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from gcode.support.read_only import Unchanging
 from testbench.recordings.recording import gaps_in
+
+# Of the range seen in training, as much to either side still goes into the memories.
+MARGIN_WIDTHS = 1.0
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,32 @@ class Scaling:
     def invert(self, values: FloatArray) -> FloatArray:
         """Back to physical units."""
         return values * self.scale + self.mean
+
+
+@dataclass(frozen=True, eq=False)
+class Seen(Unchanging):
+    """Ranges over the training recordings."""
+
+    low: float  # of the standardised conductance
+    high: float
+    inputs_low: FloatArray  # of each input of the networks, (input_count,)
+    inputs_high: FloatArray
+
+    def held(self, x: FloatArray) -> FloatArray:
+        """`x`, clipped `MARGIN_WIDTHS` widths of the range outside of it."""
+        margin = MARGIN_WIDTHS * (self.high - self.low)
+        return np.clip(x, self.low - margin, self.high + margin)
+
+
+@dataclass(frozen=True, eq=False)
+class Beginning(Unchanging):
+    """What each memory is expected to hold, given the standardised conductance x at the start: offset + gain x.
+
+    In the order of the networks' inputs, each (input_count,). A filter's x is the mean of its first M samples.
+    """
+
+    gain: FloatArray
+    offset: FloatArray
 
 
 class Fitted(Protocol):
@@ -67,54 +95,25 @@ def trained(compensator: TrainedCompensator | Fitted) -> TrainedCompensator:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TrainedCompensator(Unchanging):
-    """Scaler, smoothing bank (and other memories), and one or more networks whose mean is the answer.
+    """Scaler, smoothing bank (and other memories), and one or more networks whose mean is the answer."""
 
-    Attributes
-    ----------
-    target : {"force", "displacement"}
-    rate_hz : float
-        Rate the smoothing factors refer to.
-    alphas : ndarray, shape (k,)
-        Smoothing factors.
-    scaling_in, scaling_out : Scaling
-        Of the conductance (S) and of the target (N or mm), fitted on the training recording.
-    networks : tuple of Network
-        Each takes the k smoothed values and the history's; the prediction is their mean.
-    irregular : bool
-        True: samples are used at the times they were taken. False: resample to `rate_hz` first (the paper).
-    start : {"paper", "causal"}
-        ``paper``: a recording is known from its beginning (`compensation.memories.ema.smooth`). ``causal``: what a
-        stream does that is switched on with the first sample.
-    per_recording : bool
-        True: each recording is standardised by its own mean and spread, as if it were known as a whole.
-    sign : float
-        +1 where conductance rises with the target, -1 where it falls; used for the raw baseline only.
-    history : History
-        Memories beside the bank; the paper has none.
-    recipe : mapping
-        How it was trained.
-    seen : Seen, optional
-        Ranges over the training recordings; see `compensation.model.runtime`.
-    beginning : Beginning, optional
-        Where a stream's memories begin.
-    margins : tuple of float, optional
-        Added to a prediction, the ends of the interval that held 90 % of the errors in cross-validation (N or mm).
-    """
-
-    target: str
-    rate_hz: float
-    alphas: FloatArray
-    scaling_in: Scaling
-    scaling_out: Scaling
-    networks: tuple[Network, ...]
-    irregular: bool = False
+    target: str  # "force" or "displacement"
+    rate_hz: float  # that the smoothing factors refer to
+    alphas: FloatArray  # smoothing factors, (k,)
+    scaling_in: Scaling  # of the conductance (S), fitted on the training recordings
+    scaling_out: Scaling  # of the target (N or mm), likewise
+    networks: tuple[Network, ...]  # each takes the k smoothed values and the history's
+    irregular: bool = False  # samples are used at their own times, and not resampled to `rate_hz` (the paper)
+    # "paper": a recording is known from its beginning (`compensation.memories.ema.smooth`). "causal": what a stream
+    # does that is switched on with the first sample.
     start: str = "paper"
-    per_recording: bool = False
-    sign: float = 1.0
-    history: History = NO_HISTORY
-    recipe: Mapping[str, Any] = field(default_factory=dict)
+    per_recording: bool = False  # each recording is standardised by itself, as if it were known as a whole
+    sign: float = 1.0  # -1 where conductance falls with the target; used for the raw baseline only
+    history: History = NO_HISTORY  # memories beside the bank; the paper has none
+    recipe: Mapping[str, Any] = field(default_factory=dict)  # how it was trained
     seen: Seen | None = None
-    beginning: Beginning | None = None
+    beginning: Beginning | None = None  # where a stream's memories begin
+    # Added to a prediction, the ends of the interval that held 90 % of the errors in cross-validation (N or mm).
     margins: tuple[float, float] | None = None
 
     def __repr__(self) -> str:
@@ -161,12 +160,9 @@ class TrainedCompensator(Unchanging):
         begin = self.beginning if self.start == "causal" else None
         affine = None if begin is None else (begin.gain[:filters], begin.offset[:filters])
         time_s = np.asarray(time_s, dtype=np.float64)
-        if self.irregular or gaps_in(time_s):
-            steps_s = np.diff(time_s)
-            smoothed = smooth_irregular(values, time_s, self.alphas, self.rate_hz, self.start, affine)
-        else:
-            smoothed = smooth(values, self.alphas, self.rate_hz, self.start, affine)
-            steps_s = np.full(len(values) - 1, 1.0 / self.rate_hz)
+        uniform = not (self.irregular or gaps_in(time_s))
+        steps_s = np.full(len(values) - 1, 1.0 / self.rate_hz) if uniform else np.diff(time_s)
+        smoothed = smooth(values, self.alphas, self.rate_hz, self.start, affine, steps_s)
         held = None if begin is None else begin.gain[filters:] * values[0] + begin.offset[filters:]
         return np.hstack([smoothed, self.history.features(values, steps_s, held)])
 

@@ -14,8 +14,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from compensation.engines.network import Network
 from compensation.memories.ema import SMALLEST_ALPHA
 from compensation.memories.history import SETTLE_S, History
-from compensation.model.compensator import Scaling, TrainedCompensator
-from compensation.model.ranges import Beginning, Seen
+from compensation.model.compensator import Beginning, Scaling, Seen, TrainedCompensator
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError, first_problem
 from gcode.support.files import write_json
@@ -142,29 +141,11 @@ def save(path: str | Path, compensator: TrainedCompensator) -> None:
     UserError
         If `load` would refuse it: a number is none, or beyond what a chip could hold.
     """
-    data: dict[str, Any] = {
-        "format": FORMAT,
-        "version": FORMAT_VERSION,
-        "knitbench": knitbench_version(),
-        "target": compensator.target,
-        "rate_hz": compensator.rate_hz,
-        "alphas": compensator.alphas.tolist(),
-        "start": compensator.start,
-        "irregular": compensator.irregular,
-        "per_recording": compensator.per_recording,
-        "sign": compensator.sign,
-        "history": vars(compensator.history),
-        "scaling_in": vars(compensator.scaling_in),
-        "scaling_out": vars(compensator.scaling_out),
-        "networks": [network.to_dict() for network in compensator.networks],
-        "seen": _plain(compensator.seen),
-        "beginning": _plain(compensator.beginning),
-        "margins": compensator.margins,
-        "recipe": dict(compensator.recipe),
-    }
+    written = {"format": FORMAT, "version": FORMAT_VERSION, "knitbench": knitbench_version(), **vars(compensator)}
     try:
+        data = json_of(json.dumps(written, default=_plain, allow_nan=False), "compensator")
         data["sha256"] = _digest(data)
-        _checked(json_of(json.dumps(data), "compensator"))
+        _checked(data)
     except ValueError as error:
         raise UserError(
             f"{path}: not written, for nothing could read it again: {first_problem(error)}; bring conductance and "
@@ -240,10 +221,9 @@ def _checked(data: dict[str, Any]) -> tuple[_File, tuple[Network, ...]]:
     return checked, networks
 
 
-def _plain(part: Seen | Beginning | None) -> dict[str, Any] | None:
-    if part is None:
-        return None
-    return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in vars(part).items()}
+def _plain(part: Any) -> Any:
+    """A part of a compensator, for JSON."""
+    return part.tolist() if isinstance(part, np.ndarray) else vars(part)
 
 
 def _arrays(part: BaseModel) -> dict[str, Any]:
@@ -251,20 +231,15 @@ def _arrays(part: BaseModel) -> dict[str, Any]:
 
 
 def _build(checked: _File, networks: tuple[Network, ...]) -> TrainedCompensator:
+    as_they_are = ("target", "rate_hz", "start", "irregular", "per_recording", "sign")
+    remembered = checked.history
     return TrainedCompensator(
-        target=checked.target,
-        rate_hz=checked.rate_hz,
+        **{name: getattr(checked, name) for name in as_they_are},
         alphas=np.asarray(checked.alphas),
         scaling_in=Scaling(**vars(checked.scaling_in)),
         scaling_out=Scaling(**vars(checked.scaling_out)),
         networks=networks,
-        irregular=checked.irregular,
-        start=checked.start,
-        per_recording=checked.per_recording,
-        sign=checked.sign,
-        history=History(
-            tuple(checked.history.motion_taus_s), tuple(checked.history.play_radii), checked.history.settle_s
-        ),
+        history=History(tuple(remembered.motion_taus_s), tuple(remembered.play_radii), remembered.settle_s),
         recipe=checked.recipe.model_dump(exclude_unset=True),
         seen=Seen(**_arrays(checked.seen)) if checked.seen else None,
         beginning=Beginning(**_arrays(checked.beginning)) if checked.beginning else None,

@@ -27,27 +27,13 @@ COMPENSATED = {
 
 @dataclass(frozen=True)
 class Transfer:
-    """The fast set, 0 to 50 % at up to 14 mm/s, PES patches, force: medians over the recordings.
+    """The fast set, 0 to 50 % at up to 14 mm/s, PES patches, force: medians over the recordings, gains relative."""
 
-    Attributes
-    ----------
-    raw : float
-        r2(F, G).
-    gain_trained_there : float
-        Relative gain of r2, network trained on the fast set, a = 2.5.
-    gain_trained_there_finer : float
-        The same with a = 1.75.
-    gain_trained_slow : float
-        Network trained on the slow set (0 to 30 %), a = 2.5.
-    extreme : tuple of float
-        r2 before and after of the recording that gained most.
-    """
-
-    raw: float
-    gain_trained_there: float
-    gain_trained_there_finer: float
-    gain_trained_slow: float
-    extreme: tuple[float, float]
+    raw: float  # r2(F, G)
+    gain_trained_there: float  # network trained on the fast set, a = 2.5
+    gain_trained_there_finer: float  # the same with a = 1.75
+    gain_trained_slow: float  # network trained on the slow set (0 to 30 %), a = 2.5
+    extreme: tuple[float, float]  # r2 before and after of the recording that gained most
 
 
 TRANSFER = Transfer(0.644, 0.15, 0.24, 0.23, (0.349, 0.795))

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compensation.engines.engine import engine
-from compensation.model.compensator import TrainedCompensator
 from compensation.series import score
 from compensation.series.preprocessing import Series, series_of
 from compensation.training.options import Options
-from compensation.training.tuning import tune
 from compensation.training.untrained import scaling_of_target, training_arrays, untrained
 from gcode.support.arrays import FloatArray
 from testbench.recordings.recording import Recording
@@ -23,21 +21,12 @@ PUBLISHED = Options(restarts=1)
 
 @dataclass(frozen=True)
 class Seeds:
-    """r2 of the paper's network from several seeds.
+    """r2 of the paper's network from several seeds."""
 
-    Attributes
-    ----------
-    r2 : ndarray, shape (seeds, recordings)
-    dead : ndarray of bool, shape (seeds,)
-    training_r2 : ndarray, shape (seeds,)
-    predictions : tuple of ndarray
-        One a recording, shape (seeds, n), in the target's unit.
-    """
-
-    r2: FloatArray
-    dead: NDArray[np.bool_]
-    training_r2: FloatArray
-    predictions: tuple[FloatArray, ...]
+    r2: FloatArray  # (seeds, recordings)
+    dead: NDArray[np.bool_]  # (seeds,)
+    training_r2: FloatArray  # (seeds,)
+    predictions: tuple[FloatArray, ...]  # one a recording, (seeds, n), in the target's unit
 
     @property
     def live(self) -> FloatArray:
@@ -76,21 +65,6 @@ def over_seeds(
     ]
     by_recording = tuple(np.array(outputs) for outputs in zip(*predictions, strict=True))
     return Seeds(np.array(scores), np.array(dead), np.array(fitted), by_recording)
-
-
-def tuned(training: Series, target: str, seed: int = 0) -> TrainedCompensator:
-    """The better compensator, its choices made on `training` alone."""
-    return tune([training], target, replace(PUBLISHED, seed=seed))
-
-
-def scores_of(compensator: TrainedCompensator, tests: Sequence[Series]) -> list[float]:
-    """r2 on each recording."""
-    return [score.r2(part.truth, compensator.predict_series(part)) for part in tests]
-
-
-def intervals_of(compensator: TrainedCompensator, tests: Sequence[Series]) -> list[list[float] | None]:
-    """95 % block-bootstrap interval of r2 on each recording."""
-    return [score.block_interval(part.truth, compensator.predict_series(part), part.time_s) for part in tests]
 
 
 def baselines(training: Series, tests: Sequence[Series], target: str) -> dict[str, list[float]]:

@@ -13,6 +13,7 @@ from compensation.paper import published
 from compensation.paper import reproduction as ours
 from compensation.paper.paper_campaigns import RUNS, program_of
 from compensation.series import score
+from compensation.training.tuning import tune
 from testbench.recordings.recording import Recording
 
 # Of each kind of sensor, one or more specimens, each with its recordings by name.
@@ -79,9 +80,11 @@ def _sensor_rows(sensor: str, several, target: str, seeds: int, engine: str) -> 
 
 def _tuned_rows(sensor: str, series, target: str) -> Iterable[str]:
     parts = list(series.values())
-    better = ours.tuned(series["T"], target)
-    yield _row(sensor, "tuned, first sensor", ours.scores_of(better, parts), None, better.parameter_count)
-    spans = "".join(f" {score.interval_text(span):>14}" for span in ours.intervals_of(better, parts))
+    better = tune([series["T"]], target, ours.PUBLISHED)
+    told = [(part.truth, better.predict_series(part)) for part in parts]
+    yield _row(sensor, "tuned, first sensor", [score.r2(*both) for both in told], None, better.parameter_count)
+    likely = [score.block_interval(*both, part.time_s) for both, part in zip(told, parts, strict=True)]
+    spans = "".join(f" {score.interval_text(span):>14}" for span in likely)
     yield f"  {sensor:6} {'  95 % (60 s blocks)':44}{spans}"
 
 

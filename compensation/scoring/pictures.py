@@ -13,7 +13,7 @@ SYMBOL = {"force": "F", "displacement": "d"}
 
 
 def draw_scores(scores: dict[str, Any], path: str | Path) -> None:
-    """Write one picture: a band for each recording with F, G and p over time, three zooms, scatter before and after.
+    """Write one picture: a band for each recording with F, G and p over time, two zooms, scatter before and after.
 
     Parameters
     ----------

@@ -129,12 +129,7 @@ def _traces(part: Series, prediction: np.ndarray, sign: float) -> dict[str, Any]
     raw = sign * score.standardised(part.conductance_S) * part.truth.std() + part.truth.mean()
 
     def cut(rows: np.ndarray | slice) -> dict[str, list[float]]:
-        columns = {
-            "F": part.truth,
-            "G": part.conductance_S,
-            "G_rescaled": raw,
-            "p": prediction,
-        }
+        columns = {"F": part.truth, "G": part.conductance_S, "G_rescaled": raw, "p": prediction}
         shown = {name: [float(f"{value:.6g}") for value in column[rows]] for name, column in columns.items()}
         return {"time_s": np.round(part.time_s[rows], 6).tolist(), **shown}
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,8 +10,6 @@ from gcode.support.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY,
 from gcode.support.files import atomic_path
 
 COLOURS = (BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE, BLACK, GREY)
-# Ticks in a decade, for axes whose ends differ by more and more.
-NARROW, MIDDLE, WIDE = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9), (1, 2, 3, 5, 7), (1, 3)
 PUBLISHED = "2.5^7 4-2-2"
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 
@@ -23,7 +20,7 @@ def draw_search(ranking: Sequence[Ranked], path: str | Path) -> None:
     Candidates that no seed brought to life are counted in the title and not drawn: their E is 1.
     """
     from matplotlib.figure import Figure
-    from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     figure = Figure(figsize=(10.5, 5), layout="constrained")
     axis = figure.subplots()
@@ -46,8 +43,8 @@ def draw_search(ranking: Sequence[Ranked], path: str | Path) -> None:
     for row in alive:
         if row.key == PUBLISHED:
             _point_out(axis, row, "the paper's (4,2,2)", (-95, -42))
-    for scale, values in ((axis.xaxis, [row.parameters for row in alive]), (axis.yaxis, [row.E for row in alive])):
-        scale.set_major_locator(FixedLocator(_ticks(min(values), max(values))))
+    for scale in (axis.xaxis, axis.yaxis):
+        scale.set_major_locator(LogLocator(subs=(1, 2, 5)))
         scale.set_minor_locator(NullLocator())
         scale.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     never = len(ranking) - len(alive)
@@ -57,14 +54,6 @@ def draw_search(ranking: Sequence[Ranked], path: str | Path) -> None:
     axis.grid(alpha=0.3, which="both", lw=0.4)
     with atomic_path(path) as temporary:
         figure.savefig(temporary, dpi=110)
-
-
-def _ticks(low: float, high: float) -> list[float]:
-    """Round numbers on a logarithmic axis: few digits a decade over a wide range, more over a narrow one."""
-    digits: Sequence[float] = NARROW if high / low < 3 else MIDDLE if high / low < 100 else WIDE
-    powers = range(math.floor(math.log10(low)) - 1, math.ceil(math.log10(high)) + 1)
-    every = (digit * 10.0**power for power in powers for digit in digits)
-    return [tick for tick in every if low / 1.3 < tick < high * 1.3]
 
 
 def _numbers(bank: str) -> tuple[float, int]:

@@ -14,26 +14,14 @@ DRAWS = 1000
 
 @dataclass(frozen=True)
 class Ranked:
-    """One candidate's place.
-
-    Attributes
-    ----------
-    E : float
-        Mean of the paper's criterion over live seeds.
-    spread : float
-        Its standard deviation over live seeds.
-    rank_low, rank_high : int
-        95 % interval of its rank when the seeds are drawn again.
-    chance_first : float
-        Share of the draws in which it is first.
-    """
+    """One candidate's place; its 95 % interval, and the chance to be first, are of seeds that are drawn again."""
 
     key: str
     parameters: int
     seeds: int
     dead: int
-    E: float
-    spread: float
+    E: float  # mean of the paper's criterion over live seeds
+    spread: float  # its standard deviation
     r2_A: float
     r2_B: float
     rank_low: int

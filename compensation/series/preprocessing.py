@@ -20,20 +20,12 @@ SHORTEST_RECORDING_S = 10.0
 
 @dataclass(frozen=True)
 class Series:
-    """One recording as input and target.
-
-    Attributes
-    ----------
-    time_s, conductance_S, truth : ndarray, each shape (n,)
-        `truth` is the force (N) or the displacement (mm).
-    source : str
-        Where it came from.
-    """
+    """One recording as input and target, each (n,)."""
 
     time_s: FloatArray
     conductance_S: FloatArray
-    truth: FloatArray
-    source: str
+    truth: FloatArray  # force (N) or displacement (mm)
+    source: str  # where it came from
 
     def __len__(self) -> int:
         return len(self.time_s)

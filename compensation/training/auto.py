@@ -46,10 +46,7 @@ LEARNERS: tuple[type[Learner], ...] = (Line, Ridge, Paper, Networks)
 
 
 def train_automatically(
-    series: Sequence[Series],
-    target: str,
-    options: Options,
-    progress: Callable[[str], None] = lambda note: None,
+    series: Sequence[Series], target: str, options: Options, progress: Callable[[str], None] = lambda note: None
 ) -> TrainedCompensator:
     """Choose by cross-validation, train the chosen on everything.
 
@@ -91,8 +88,9 @@ def train_automatically(
         "line_r2": tried[Line.name]["r2"],
         "folds": fold_count(folds),
         "whole_recordings": whole,
-        **({} if changes is None else {"r2_elsewhere": r2_elsewhere(residual, changes, scale)}),
     }
+    if changes is not None:
+        promise["r2_elsewhere"] = r2_elsewhere(residual, changes, scale)
     found = {"chosen": chosen, "weights": weights, "tried": tried, "cross_validated": promise}
     margins = margins_of(residual, folds, [len(part) for part in series], changes)
     return replace(compensator, recipe=dict(compensator.recipe) | found, margins=margins)
@@ -118,10 +116,7 @@ def steps(series: Sequence[Series]) -> int:
 def margins_of(
     residual: FloatArray, folds: NDArray[np.int64], lengths: Sequence[int], changes: FloatArray | None
 ) -> tuple[float, float]:
-    """Ends of the interval for an error to come, from whole recordings where there are enough, else from parts.
-
-    `changes` are those of `one_sigma_changes`, None where whole recordings were held out.
-    """
+    """Ends of the interval for an error to come; `changes` are None where whole recordings were held out."""
     if changes is None:
         return of_another(np.split(residual, np.cumsum(lengths)[:-1]))
     parts = [folds == number for number in np.unique(folds)]
@@ -167,13 +162,7 @@ def cross_validated(
     folds: NDArray[np.int64],
     progress: Callable[[str], None] = lambda note: None,
 ) -> dict[str, FloatArray]:
-    """What each method predicts of each fold, at each pace, having seen nothing of it, not even for its scalers.
-
-    Returns
-    -------
-    dict of ndarray, each shape (paces, n)
-        In the target's unit.
-    """
+    """What each method predicts of each fold, having seen nothing of it, not even for its scalers: (paces, n)."""
     found = {kind.name: np.empty((len(PACES), len(folds))) for kind in LEARNERS}
     for number in range(fold_count(folds)):
         rest, parts = split(series, folds == number)

@@ -7,7 +7,7 @@ been slower or quicker.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -34,7 +34,7 @@ DENSE_MOTION_TAUS_S = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 32.0)
 WHOLE = History(DENSE_MOTION_TAUS_S, PLAY_RADII, QUICK_SETTLE_S)
 # The paper's seven filters, and one more between each two.
 FACTOR, COUNT = float(np.sqrt(2.5)), 14
-PAPERS = slice(1, COUNT, 2)
+PAPERS = np.arange(1, COUNT, 2)
 WIDE_STATE_SHIFT = 0.2
 # Another recording may move slower or quicker. About one step of the bank to either side, so that no memory is
 # blurred by more than the bank itself does. Of 1.5 and 2 on specimen 101, 2 cost 0.02 of r2.
@@ -58,12 +58,7 @@ class Learned:
 class Learner:
     """One rival on one set of recordings, and all that it knows is from these.
 
-    Parameters
-    ----------
-    series, target, options
-        As for `compensation.training.auto.train_automatically`.
-    like : Learner, optional
-        Another one on the same recordings: features of the same memories are its own, not made again.
+    Features of the same memories are taken from `like`, another one on the same recordings, and not made again.
     """
 
     name = ""
@@ -136,10 +131,8 @@ class Paper(Learner):
             engine(options.engine)(x, y, options.sizes, options.seed + start, options.l2) for start in range(STARTS)
         ]
         best = max(fits, key=lambda fit: score.r2(y, fit.network(x)))
-        first = np.zeros((self.features.shape[1], PAPER_SIZES[0]))
-        first[PAPERS] = best.network.weights[0]
-        network = replace(best.network, weights=(first, *best.network.weights[1:]))
-        return Learned((network,), {"l2": options.l2, "restarts": STARTS})
+        own = np.isin(np.arange(self.features.shape[1]), PAPERS)
+        return Learned((best.network.reading(own),), {"l2": options.l2, "restarts": STARTS})
 
 
 class Networks(Learner):
@@ -149,7 +142,7 @@ class Networks(Learner):
     options = Options(factor=FACTOR, count=COUNT, history=WHOLE, sizes=NETWORK_SIZES[0], engine="fast")
 
     def fit(self) -> Learned:
-        history, l2 = self._chosen(self._error)
+        history, l2 = self._chosen()
         everything = np.ones(len(self.features), dtype=bool)
         networks = tuple(
             self._one(everything, history, l2, self.options.seed + number, NETWORK_SIZES[number % len(NETWORK_SIZES)])
@@ -160,13 +153,12 @@ class Networks(Learner):
             live, {"l2": l2, "restarts": ENSEMBLE_OF_TWO_SIZES, "memories": history.count, "members": NETWORK_SIZES}
         )
 
-    @staticmethod
-    def _chosen(error: Callable[[History, float], float]) -> tuple[History, float]:
+    def _chosen(self) -> tuple[History, float]:
         """Choose the memories at a medium L2 penalty, then the penalty."""
         middle = NETWORK_PENALTIES[1]
-        errors = {(history, middle): error(history, middle) for history in (NO_HISTORY, WHOLE)}
+        errors = {(history, middle): self._error(history, middle) for history in (NO_HISTORY, WHOLE)}
         history, _ = min(errors, key=lambda key: errors[key])
-        errors |= {(history, l2): error(history, l2) for l2 in NETWORK_PENALTIES if l2 != middle}
+        errors |= {(history, l2): self._error(history, l2) for l2 in NETWORK_PENALTIES if l2 != middle}
         return min(errors, key=lambda key: errors[key])
 
     def _error(self, history: History, l2: float) -> float:
@@ -178,13 +170,9 @@ class Networks(Learner):
         return total
 
     def _one(self, kept: Mask, history: History, l2: float, seed: int, sizes: tuple[int, ...]) -> Network:
-        filters = len(self.lessons.blank.alphas)
-        lesson = self.lessons if history.count else _without_history(self.lessons, filters)
-        network = lesson.fit(kept, replace(self.options, l2=l2, sizes=sizes), seed)
-        if history.count:
-            return network
-        unused = np.zeros((WHOLE.count, network.weights[0].shape[1]))
-        return replace(network, weights=(np.concatenate([network.weights[0], unused]), *network.weights[1:]))
+        used = np.arange(self.features.shape[1]) < COUNT + history.count
+        lesson = replace(self.lessons, versions=tuple(version[:, used] for version in self.lessons.versions))
+        return lesson.fit(kept, replace(self.options, l2=l2, sizes=sizes), seed).reading(used)
 
 
 def linear(weights: FloatArray, bias: float) -> Network:
@@ -194,7 +182,3 @@ def linear(weights: FloatArray, bias: float) -> Network:
 
 def _memories(options: Options) -> tuple[Any, ...]:
     return options.factor, options.count, options.alphas, options.history
-
-
-def _without_history(lesson: Lessons, filters: int) -> Lessons:
-    return replace(lesson, versions=tuple(version[:, :filters] for version in lesson.versions))

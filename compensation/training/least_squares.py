@@ -16,18 +16,10 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Sums:
-    """Sums of products over some rows, which is all that least squares needs of them.
+    """Sums over some rows of products of the features, a one and the target, each shape (k + 2, k + 2)."""
 
-    Attributes
-    ----------
-    learn : ndarray, shape (k + 2, k + 2)
-        Products of the features, a one and the target, averaged over all versions of the recording.
-    judge : ndarray, shape (k + 2, k + 2)
-        The same of the first version alone, the recording as it is.
-    """
-
-    learn: FloatArray
-    judge: FloatArray
+    learn: FloatArray  # averaged over all versions of the recording
+    judge: FloatArray  # of the first version alone, the recording as it is
 
     @classmethod
     def of(cls, lesson: Lessons, rows: Mask) -> Sums:

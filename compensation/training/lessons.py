@@ -35,28 +35,14 @@ ROWS, SMALL_BATCH, RATE, AVERAGING, LESSON_EPOCHS = 2_000, 40, 4e-3, 0.9, 1_000
 
 @dataclass(frozen=True)
 class Lessons:
-    """What networks learn from: features of the recording as it is, and with its conductance shifted.
+    """What networks learn from: features of the recording as it is, and with its conductance shifted."""
 
-    Attributes
-    ----------
-    blank : TrainedCompensator
-        Scalers, bank and history.
-    versions : tuple of ndarray, each shape (n, k)
-        The first is the recording as it is.
-    truth : ndarray, shape (n,)
-        Standardised target.
-    shift, scale : ndarray, shape (k,)
-        ``versions`` hold ``(feature - shift) * scale``.
-    block_rows : int
-        Rows of a minute.
-    """
-
-    blank: TrainedCompensator
-    versions: tuple[FloatArray, ...]
-    truth: FloatArray
-    shift: FloatArray
-    scale: FloatArray
-    block_rows: int
+    blank: TrainedCompensator  # scalers, bank and history
+    versions: tuple[FloatArray, ...]  # each (n, k), (feature - shift) * scale; first the recording as it is
+    truth: FloatArray  # standardised target, (n,)
+    shift: FloatArray  # (k,)
+    scale: FloatArray  # (k,)
+    block_rows: int  # of a minute
 
     def fit(self, kept: NDArray[np.bool_], options: Options, seed: int) -> Network:
         """Train one network, on standardised features, on the rows that are kept."""
@@ -70,18 +56,7 @@ class Lessons:
         truth = np.concatenate([self.truth[rows] for rows in picks])
         # MLPRegressor divides L2 by the batch size: as much of it here as in batches of its own size.
         l2 = options.l2 * SMALL_BATCH / BATCH
-        network, _ = train_adam(
-            features,
-            truth,
-            options.sizes,
-            seed,
-            l2,
-            LESSON_EPOCHS,
-            batch=SMALL_BATCH,
-            rate=RATE,
-            averaging=AVERAGING,
-        )
-        return network
+        return train_adam(features, truth, options.sizes, seed, l2, LESSON_EPOCHS, SMALL_BATCH, RATE, AVERAGING)[0]
 
     def fit_on_all(self, options: Options, seed: int) -> Network:
         """Train one network on every row, for features as they come."""
@@ -101,12 +76,12 @@ def lessons(
     Parameters
     ----------
     starts : bool
-        Begin as a stream does (`compensation.model.runtime.Beginning`), and let the shifted versions begin anew every
-        `PIECE_S`, so that a network also learns from memories that have just been switched on.
+        Begin as a stream does, and let the shifted versions begin anew every `PIECE_S`, so that a network also learns
+        from memories that have just been switched on.
     shift : float
-        Of the conductance in the versions, up and down, in standard deviations.
+        Of the conductance in the versions, in standard deviations.
     paces : sequence of float
-        Factors by which time is stretched (2: the motion takes twice as long). Each gives two versions, one with the
+        Factors by which time is stretched (2: the motion takes twice as long); for each, one version with the
         conductance shifted up, one with it shifted down.
     """
     blank = untrained(series, target, options)

@@ -1,4 +1,4 @@
-"""The choices of a training run; the defaults are the paper's, with restarts."""
+"""The choices of a training run."""
 
 from __future__ import annotations
 
@@ -16,45 +16,20 @@ HIGHEST_SEED = 2**31 - 1
 
 @dataclass(frozen=True)
 class Options:
-    """Choices of a training run; the defaults are the paper's, with restarts.
+    """Choices of a training run; the defaults are the paper's, with restarts."""
 
-    Attributes
-    ----------
-    sizes : tuple of int
-        Hidden layers.
-    factor, count : float, int
-        Smoothing factors ``alpha_i = factor^-i``, i = 1..count.
-    alphas : tuple of float, optional
-        Smoothing factors set by hand, in place of those.
-    l2 : float
-        MLPRegressor's ``alpha``.
-    seed : int
-        Seed of the first start; the others follow it.
-    restarts : int
-        Networks trained; the one with the best training score is kept. The paper: 1.
-    irregular : bool
-        Use the samples at their own times instead of resampling to 20 Hz.
-    per_recording : bool
-        Standardise each recording by itself (needs the whole recording).
-    engine : {"exact", "fast", "sklearn"}
-    rate_hz : float
-        Rate of resampling, and the one that the smoothing factors refer to.
-    history : History
-        Memories beside the bank; the paper has none.
-    """
-
-    sizes: tuple[int, ...] = PAPER_SIZES
-    factor: float = PAPER_FACTOR
+    sizes: tuple[int, ...] = PAPER_SIZES  # hidden layers
+    factor: float = PAPER_FACTOR  # smoothing factors ``alpha_i = factor^-i``, i = 1..count
     count: int = PAPER_COUNT
-    l2: float = DEFAULT_L2
-    seed: int = 0
-    restarts: int = 5
-    irregular: bool = False
-    per_recording: bool = False
-    engine: str = "exact"
-    rate_hz: float = PAPER_RATE_HZ
-    history: History = NO_HISTORY
-    alphas: tuple[float, ...] | None = None
+    l2: float = DEFAULT_L2  # MLPRegressor's ``alpha``
+    seed: int = 0  # of the first start; the others follow it
+    restarts: int = 5  # networks trained, of which the one with the best training score is kept; the paper: 1
+    irregular: bool = False  # use the samples at their own times instead of resampling
+    per_recording: bool = False  # standardise each recording by itself, which needs the whole recording
+    engine: str = "exact"  # or "fast" or "sklearn"
+    rate_hz: float = PAPER_RATE_HZ  # of resampling, and the one that the smoothing factors refer to
+    history: History = NO_HISTORY  # memories beside the bank; the paper has none
+    alphas: tuple[float, ...] | None = None  # smoothing factors set by hand, in place of those
 
     @property
     def resampling_hz(self) -> float | None:

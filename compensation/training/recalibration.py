@@ -39,11 +39,7 @@ FARTHEST = 4.0
 class Correction:
     """What is moved: the standardised input ``(x - shift_in) / gain_in``, the output ``shift_out + gain_out y``.
 
-    Attributes
-    ----------
-    gain_in, gain_out : float
-    shift_in, shift_out : float
-        In standard deviations of the training's conductance and target.
+    Shifts are in standard deviations of the training's conductance and target.
     """
 
     gain_in: float = 1.0

@@ -47,10 +47,7 @@ def train(
 
 
 def train_on_series(
-    series: Sequence[Series],
-    target: str,
-    options: Options,
-    progress: Callable[[str], None] = lambda note: None,
+    series: Sequence[Series], target: str, options: Options, progress: Callable[[str], None] = lambda note: None
 ) -> TrainedCompensator:
     """The paper's method: one bank and one network, the best of several starts by training score."""
     blank = untrained(series, target, options)

@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from compensation.engines.network import Network, mean_output
+from compensation.engines.network import mean_output
 from compensation.memories.history import NO_HISTORY, History
 from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import ready_for_use
@@ -65,10 +65,7 @@ class Decision:
 
 
 def tune(
-    series: Sequence[Series],
-    target: str,
-    options: Options,
-    progress: Callable[[str], None] = lambda note: None,
+    series: Sequence[Series], target: str, options: Options, progress: Callable[[str], None] = lambda note: None
 ) -> TrainedCompensator:
     """Choose by cross-validation (`choose`), then average several networks (`ensemble`).
 
@@ -88,15 +85,9 @@ def tune(
 
 
 def choose(
-    series: Sequence[Series],
-    target: str,
-    options: Options,
-    progress: Callable[[str], None] = lambda note: None,
+    series: Sequence[Series], target: str, options: Options, progress: Callable[[str], None] = lambda note: None
 ) -> Decision:
-    """Choose the bank, then histories and their penalties, then the size.
-
-    The seeds of cross-validation are fixed: the choice depends on the recording alone.
-    """
+    """Choose the bank, then histories and their penalties, then the size; seeds are fixed: the data decide."""
     tried: list[Choice] = []
 
     def judged(candidates: Sequence[Options]) -> list[Choice]:
@@ -109,7 +100,8 @@ def choose(
 
     start = replace(options, sizes=SIZES[0], l2=START_L2, history=NO_HISTORY)
     bank = first_unless_better(judged([replace(start, factor=a, count=n) for a, n in BANKS])).options
-    members = not_worse([_smallest(judged(penalties(replace(bank, history=history)))) for history in HISTORIES])
+    penalised = [[replace(bank, history=history, l2=l2) for l2 in PENALTIES] for history in HISTORIES]
+    members = not_worse([_smallest(judged(candidates)) for candidates in penalised])
     others = judged([replace(members[0].options, sizes=size) for size in SIZES[1:]])
     sizes = first_unless_better([members[0], *others]).options.sizes
     resized = tuple(replace(choice, options=replace(choice.options, sizes=sizes)) for choice in members)
@@ -119,11 +111,6 @@ def choose(
 def steps() -> int:
     """How often `tune` reports progress."""
     return len(BANKS) + len(HISTORIES) * len(PENALTIES) + len(SIZES) - 1 + ENSEMBLE
-
-
-def penalties(options: Options) -> list[Options]:
-    """The same options once for each penalty that is tried."""
-    return [replace(options, l2=l2) for l2 in PENALTIES]
 
 
 def first_unless_better(choices: Sequence[Choice]) -> Choice:
@@ -186,8 +173,10 @@ def ensemble(
     for number in range(ENSEMBLE):
         learned = lesson[number % len(lesson)]
         options = decision.members[number % len(lesson)].options
-        network = learned.fit_on_all(options, seed + number)
-        networks.append(_widened(network, len(blank.alphas), options.history, whole))
+        own = options.history
+        known = [True, bool(own.motion_taus_s), bool(own.play_radii)]
+        counts = [len(blank.alphas), len(whole.motion_taus_s), len(whole.play_radii)]
+        networks.append(learned.fit_on_all(options, seed + number).reading(np.repeat(known, counts)))
         progress(f"network {seed + number}")
     live = [network for network in networks if not network.is_dead(features)] or networks
     recipe = describe(series, best.options, networks, features) | {
@@ -209,15 +198,6 @@ def _union(histories: Sequence[History]) -> History:
         max((history.play_radii for history in histories), key=len),
         histories[0].settle_s,
     )
-
-
-def _widened(network: Network, filters: int, own: History, whole: History) -> Network:
-    """The same network with the inputs of `whole`: those that it does not know have no weight."""
-    counts = [filters, len(whole.motion_taus_s), len(whole.play_radii)]
-    known = np.repeat([True, bool(own.motion_taus_s), bool(own.play_radii)], counts)
-    weights = np.zeros((len(known), network.weights[0].shape[1]))
-    weights[known] = network.weights[0]
-    return replace(network, weights=(weights, *network.weights[1:]))
 
 
 def _note(choice: Choice) -> str:

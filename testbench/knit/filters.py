@@ -37,8 +37,8 @@ def hold_coefficients(tau_s: FloatArray, dt_s: float) -> tuple[FloatArray, Float
     a = np.exp(-ratio)
     mean = -np.expm1(-ratio) / ratio
     slow = ratio < 1e-3  # series instead of a difference of nearly equal numbers
-    b0 = np.where(slow, ratio / 2 - ratio**2 / 6, 1 - mean)
-    b1 = np.where(slow, ratio / 2 - ratio**2 / 3, mean - a)
+    b0 = np.where(slow, ratio * (1 / 2 - ratio * (1 / 6 - ratio * (1 / 24 - ratio / 120))), 1 - mean)
+    b1 = np.where(slow, mean * ratio - b0, mean - a)  # together they are 1 - a
     return np.where(forgetful, 0.0, a), np.where(forgetful, 1.0, b0), np.where(forgetful, 0.0, b1)
 
 

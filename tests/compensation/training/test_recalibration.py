@@ -148,15 +148,16 @@ def test_the_least_reference_is_enough(compensator, recordings, tmp_path, rate_h
     assert main([*words, "-o", str(tmp_path / "new.json"), *(["--rest"] if rest else [])]) == 0
 
 
-def test_a_reference_in_another_unit_is_asked_about(compensator, recordings, tmp_path, caplog, monkeypatch):
+@pytest.mark.parametrize("command", ["recalibrate c.json r.csv -o new.json", "score c.json r.csv"])
+def test_a_recording_in_another_unit_is_asked_about(compensator, recordings, tmp_path, caplog, monkeypatch, command):
+    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(doubts, "_SAID", set())
     compensator_files.save(tmp_path / "c.json", compensator)
-    argv = ["recalibrate", str(tmp_path / "c.json"), str(tmp_path / "r.csv"), "-o", str(tmp_path / "new.json")]
     for factor in (1.0, 1e-3):
         ohm = factor * recordings[1]["resistance_ohm"]
         part = replace(recordings[1], channels={**recordings[1].channels, "resistance_ohm": ohm})
         write_recording_csv(tmp_path / "r.csv", part)
-        assert main(argv) == 0
+        assert main(command.split()) == 0
         assert ("r.csv: no sample has a conductance" in caplog.text) == (factor != 1.0)
 
 

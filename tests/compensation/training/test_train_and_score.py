@@ -81,6 +81,7 @@ def test_a_wrong_gain_and_zero_leave_the_rescaled_score_as_it_is(compensator, re
     assert wrong["r2_after"] < right["r2_after"] - 0.2
     tables = [score_table(score_recordings(one, recordings[1:2])) for one in (compensator, moved)]
     assert ["lost to gain and zero" in table for table in tables] == [False, True]
+    assert ["below the raw signal by" in table for table in tables] == [False, True]
     dead = replace(compensator, networks=(linear(np.zeros(compensator.input_count), 0.5),))
     assert score_recordings(dead, recordings[1:2])["summary"]["r2_rescaled"] == pytest.approx(0.0, abs=1e-9)
 
