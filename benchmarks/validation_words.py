@@ -25,10 +25,10 @@ ln S. The noise is estimated from second differences of the readings: what no sm
 material has one recording, its last third is held out. Where a specimen was pulled several times, all pulls but the
 last are one history, and each has its own zeros of force and displacement, for it was clamped anew.
 
-*As known* means that the most probable hypothesis is one that agrees with what is known of the material, written
-down below it **before** the run; it is not a proof that this mechanism is at work. The verdict is *missing* where
-*nothing* and *unknown* together have less than half: then many mechanisms may share the rest, each with less than
-*nothing* has alone.
+*As known* means that the answer agrees with what is known of the material, written down below it **before** the run;
+it is not a proof that this mechanism is at work. Where the verdict is *unknown*, none is named: the most probable
+mechanism may leave more than half of what it should explain. The verdict is *missing* where *nothing* and *unknown*
+together have less than half: then many mechanisms may share the rest, each with less than *nothing* has alone.
 """
 
 LIMITS = """
@@ -85,10 +85,10 @@ def summary(materials: Sequence[Material], rows: Mapping[str, Row]) -> str:
                 continue
             name, chance = top(row)
             errors = "; ".join(fall(row, channel) for channel in row["error_before"])
-            known = agreement(material, name)
+            known = agreement(material, row)
             answer = f"{name.replace('_', ' ')} ({100 * chance:.0f} %)"
             lines.append([material.title, pair.title, answer, known, errors, f"{row['seconds']:.0f}"])
-    said = [agreement(m, top(rows[p.key])[0]) for m in materials for p in m.pairs if "verdict" in rows[p.key]]
+    said = [agreement(m, rows[p.key]) for m in materials for p in m.pairs if "verdict" in rows[p.key]]
     failed = sum("error" in rows[p.key] for m in materials for p in m.pairs)
     skipped = sum("skipped" in rows[p.key] for m in materials for p in m.pairs)
     named = f"{said.count('yes')} as known, {said.count('no')} otherwise, {said.count('none named')} without a name"
@@ -104,9 +104,10 @@ def summary(materials: Sequence[Material], rows: Mapping[str, Row]) -> str:
     return f"{count}\n\n{table(header, lines)}"
 
 
-def agreement(material: Material, name: str) -> str:
-    """Whether a hypothesis agrees with what is known; *nothing* and *unknown* name no mechanism."""
-    return "yes" if name in material.plausible else "none named" if name in ("nothing", "unknown") else "no"
+def agreement(material: Material, row: Row) -> str:
+    """Whether the answer agrees with what is known; *nothing* and *unknown* name no mechanism."""
+    answer = top(row)[0] if row["verdict"] == "missing" else row["verdict"].removesuffix("_missing")
+    return "yes" if answer in material.plausible else "none named" if row["verdict"] != "missing" else "no"
 
 
 def top(row: Row) -> tuple[str, float]:
@@ -192,11 +193,10 @@ def reliability_words(simulated: Row | None) -> str:
     strengths = ", ".join(f"{one:g}" for one in simulated["strengths"])
     minutes = ", ".join(f"{one:g}" for one in simulated["minutes"])
     words = (
-        f"{simulated['cases']} sensors, each with laws, motion and noise of its own, by simulators that share "
-        f"no code with "
-        f"the model ({made}); effects of {strengths} times the noise, recordings of {minutes} min. A "
-        f"probability is true if "
-        "what is said with 90 % is right in nine of ten cases."
+        f"{simulated['cases']} sensors, each with laws, motion and noise of its own, by simulators that share no code with "
+        f"the model ({made}); effects of {strengths} times the noise, recordings of {minutes} min. A probability is true if "
+        "what is said with 90 % is right in nine of ten cases; cases with two effects at once have no one answer, and are "
+        "not in the first table."
     )
     return (
         f"{words}\n\n![Reliability](images/{simulated['picture']})\n\n{simulated['table']}\n\n{simulated['glance']}"

@@ -66,6 +66,12 @@ def test_what_is_not_known_of_the_material_is_counted_against_it():
     assert "| clamp slip (99 %) | no |" in text
 
 
+def test_the_nearest_mechanism_of_an_unknown_is_no_name():
+    text = page(MATERIALS, rows(**{"vhb-relax": FOUND | {"verdict": "unknown"}}), None, {}, ("nothing", "unknown"))
+    assert "0 as known, 0 otherwise, 1 without a name" in text
+    assert "| stress relaxation (97 %) | none named |" in text
+
+
 def test_a_pair_that_takes_too_long_or_fails_is_a_row(tmp_path):
     late = validation.in_a_process("vhb-relax", tmp_path, tmp_path, tmp_path / "p.png", 0.05)
     assert late == {"error": "not ended within 0.05 s"}
