@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+from diagnosis_score import markdown
 from validation_data import Material, Pair
+
+from testbench.diagnosis.judging.probabilities import NOTHING
 
 Row = Mapping[str, Any]
 UNITS = {"force": "N", "conductance": "ln S"}
@@ -50,7 +53,6 @@ def page(
     rows: Mapping[str, Row],
     simulated: Row | None,
     versions: Mapping[str, str],
-    outside: tuple[str, str],
 ) -> str:
     """The whole page."""
     parts = [
@@ -60,7 +62,7 @@ def page(
     ]
     parts += ["## Methods", METHODS.strip(), "## Data", data_table(materials)]
     parts.append("## Results, material by material")
-    parts += [section(material, rows, outside) for material in materials]
+    parts += [section(material, rows) for material in materials]
     parts += ["## Simulated sensors: are the probabilities true?", reliability_words(simulated)]
     parts += ["## Limits", LIMITS.strip()]
     return "\n\n".join(parts) + "\n"
@@ -86,7 +88,7 @@ def summary(materials: Sequence[Material], rows: Mapping[str, Row]) -> str:
             name, chance = top(row)
             errors = "; ".join(fall(row, channel) for channel in row["error_before"])
             known = agreement(material, row)
-            answer = f"{name.replace('_', ' ')} ({100 * chance:.0f} %)"
+            answer = f"{spoken(name)} ({100 * chance:.0f} %)"
             lines.append([material.title, pair.title, answer, known, errors, f"{row['seconds']:.0f}"])
     said = [agreement(m, rows[p.key]) for m in materials for p in m.pairs if "verdict" in rows[p.key]]
     failed = sum("error" in rows[p.key] for m in materials for p in m.pairs)
@@ -101,7 +103,7 @@ def summary(materials: Sequence[Material], rows: Mapping[str, Row]) -> str:
         "held-out error: before, after (noise)",
         "seconds",
     ]
-    return f"{count}\n\n{table(header, lines)}"
+    return f"{count}\n\n{markdown(header, lines)}"
 
 
 def agreement(material: Material, row: Row) -> str:
@@ -130,39 +132,36 @@ def data_table(materials: Sequence[Material]) -> str:
     """Sources and licences."""
     lines = [[one.title, one.source, one.licence] for one in materials]
     words = (
-        "Measured by others, published with the papers or codes they belong to; tidied to one CSV a "
-        "recording. Where no "
-        "licence is stated all rights are reserved: the recordings are read, and never passed on."
+        "Measured by others, published with the papers or codes they belong to; tidied to one CSV a recording. Where "
+        "no licence is stated all rights are reserved: the recordings are read, and never passed on."
     )
-    return f"{words}\n\n{table(['material', 'source', 'licence'], lines)}"
+    return f"{words}\n\n{markdown(['material', 'source', 'licence'], lines)}"
 
 
-def section(material: Material, rows: Mapping[str, Row], outside: tuple[str, str]) -> str:
+def section(material: Material, rows: Mapping[str, Row]) -> str:
     """One material."""
-    likely = ", ".join(name.replace("_", " ") for name in material.plausible)
+    likely = ", ".join(map(spoken, material.plausible))
     parts = [f"### {material.title}", f"**Known:** {material.known} Agrees with it: {likely}."]
-    parts += [told(pair, rows[pair.key], outside) for pair in material.pairs]
+    parts += [told(pair, rows[pair.key]) for pair in material.pairs]
     return "\n\n".join(parts)
 
 
-def told(pair: Pair, row: Row, outside: tuple[str, str]) -> str:
+def told(pair: Pair, row: Row) -> str:
     """One pair: what the tool says, and the picture."""
     if "verdict" not in row:
         return f"**{pair.title}**: {why_not(row)}."
     chances = ", ".join(
-        f"{spoken(name, outside)} {100 * chance:.0f} %"
+        f"{'nothing is missing' if name == NOTHING else spoken(name)} {100 * chance:.0f} %"
         for name, chance in row["probabilities"].items()
         if chance >= 0.01
     )
-    steps = ", then ".join(
-        f"{one['law'].replace('_', ' ')} ({100 * one['probability']:.0f} %)" for one in row["found"]
-    )
+    steps = ", then ".join(f"{spoken(one['law'])} ({100 * one['probability']:.0f} %)" for one in row["found"])
     put_in = (
         f"Put in: {steps}; {100 * row['left']:.0f} % of the error above the noise is left."
         if steps
         else "Nothing was put in."
     )
-    tied = f" Hardly told apart: {', '.join(name.replace('_', ' ') for name in row['tied'])}." if row["tied"] else ""
+    tied = f" Hardly told apart: {', '.join(map(spoken, row['tied']))}." if row["tied"] else ""
     rest = ""
     if row["depends_on"] and row["verdict"] == "unknown":
         first = row["depends_on"][0]
@@ -170,16 +169,16 @@ def told(pair: Pair, row: Row, outside: tuple[str, str]) -> str:
     errors = "; ".join(fall(row, channel) for channel in row["error_before"])
     lines = [
         f"**{pair.title}** ({row['minutes']:.1f} min, {row['samples']} samples; held out: {row['held_out']}).",
-        f"*{row['verdict'].replace('_', ' ')}*: {chances}. {put_in}{tied}{rest}",
+        f"*{spoken(row['verdict'])}*: {chances}. {put_in}{tied}{rest}",
         f"Held-out error before, after (noise): {errors}.",
         f"![{pair.title}](images/{row['picture']})",
     ]
     return "\n\n".join(lines)
 
 
-def spoken(name: str, outside: tuple[str, str]) -> str:
-    """A hypothesis in words."""
-    return {outside[0]: "nothing is missing", outside[1]: "unknown"}.get(name, name.replace("_", " "))
+def spoken(name: str) -> str:
+    """A name of the code in words."""
+    return name.replace("_", " ")
 
 
 def reliability_words(simulated: Row | None) -> str:
@@ -193,18 +192,11 @@ def reliability_words(simulated: Row | None) -> str:
     strengths = ", ".join(f"{one:g}" for one in simulated["strengths"])
     minutes = ", ".join(f"{one:g}" for one in simulated["minutes"])
     words = (
-        f"{simulated['cases']} sensors, each with laws, motion and noise of its own, by simulators that share no code with "
-        f"the model ({made}); effects of {strengths} times the noise, recordings of {minutes} min. A probability is true if "
-        "what is said with 90 % is right in nine of ten cases; cases with two effects at once have no one answer, and are "
-        "not in the first table."
+        f"{simulated['cases']} sensors, each with laws, motion and noise of its own, by simulators that share no "
+        f"code with the model ({made}); effects of {strengths} times the noise, recordings of {minutes} min. A "
+        "probability is true if what is said with 90 % is right in nine of ten cases; cases with two effects at once "
+        "have no one answer, and are not in the first table."
     )
     return (
         f"{words}\n\n![Reliability](images/{simulated['picture']})\n\n{simulated['table']}\n\n{simulated['glance']}"
     )
-
-
-def table(header: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
-    """As Markdown; a bar in a cell would end it."""
-    safe = [[cell.replace("|", "/") for cell in line] for line in lines]
-    out = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
-    return "\n".join(out + ["| " + " | ".join(line) + " |" for line in safe])
