@@ -166,11 +166,9 @@ def told(pair: Pair, row: Row) -> str:
     if row["depends_on"] and row["verdict"] == "unknown":
         first = row["depends_on"][0]
         rest = f" What is left depends most on {first['coordinate']} ({first['channel']})."
-    errors = "; ".join(fall(row, channel) for channel in row["error_before"])
     lines = [
         f"**{pair.title}** ({row['minutes']:.1f} min, {row['samples']} samples; held out: {row['held_out']}).",
         f"*{spoken(row['verdict'])}*: {chances}. {put_in}{tied}{rest}",
-        f"Held-out error before, after (noise): {errors}.",
         f"![{pair.title}](images/{row['picture']})",
     ]
     return "\n\n".join(lines)
