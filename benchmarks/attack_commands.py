@@ -104,13 +104,7 @@ MADE_BY = (
 SERVE, SERVES_S = {"testbench rig"}, 3  # what serves until it is interrupted, and is, then
 ENDS = {"picture": "png", "page": "html", "script": "py"}  # of the names of files to write
 NO_ANSWER = {"testbench record", "gcode fit"}  # no device, or it would take long
-NO_NUMBERS = {
-    "--port",
-    "--seeds",
-    "--restarts",
-    "--scheduler",
-    "--minutes",
-}  # these would only take long
+NO_NUMBERS = {"--port", "--seeds", "--restarts", "--scheduler", "--minutes"}  # these would only take long
 
 
 class Hung(BaseException):
@@ -323,7 +317,6 @@ def main() -> int:
     parser.add_argument("--only", default=("",), nargs="+", help="packages, or packages and commands")
     parser.add_argument("--each", type=int, default=1, metavar="N", help="every Nth case alone")
     args = parser.parse_args()
-    sys.path.insert(0, str(Path(__file__).parents[1]))
     os.environ["OMP_NUM_THREADS"] = "1"
     with tempfile.TemporaryDirectory() as name:
         os.chdir(name)

@@ -12,7 +12,6 @@ Strength is what the sensor's own base laws cannot absorb, over the noise floor,
 from __future__ import annotations
 
 import argparse
-import json
 import shutil
 import time
 from collections.abc import Callable, Sequence
@@ -23,6 +22,7 @@ from typing import Any
 
 import numpy as np
 from bench_diagnosis import append, read_rows
+from diagnosis_score import Row
 from joblib import Parallel, delayed
 
 from gcode.support.files import copy_file, make_folder
@@ -41,7 +41,6 @@ from testbench.rig.simulation.past import past_displacement
 from testbench.rig.simulation.played import played
 from testbench.worlds.sensor import HiddenSensor
 
-Row = dict[str, Any]
 ARMS = ("designed", "perlin")
 # Effects that are taken for each other; of backlash and jamming the other side is that nothing is missing.
 PAIRS = (
@@ -218,7 +217,6 @@ def main(argv: Sequence[str] | None = None) -> None:
                     if args.results is not None:
                         append(args.results, row)
     print("\n" + table(rows))
-    print(json.dumps({"cases": len({row.get("seed") for row in rows if "error" not in row})}))
 
 
 if __name__ == "__main__":

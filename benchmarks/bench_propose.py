@@ -12,7 +12,6 @@ wire, lost steps): no law can foretell their next recording, and they are counte
 from __future__ import annotations
 
 import argparse
-import json
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -21,13 +20,14 @@ from typing import Any
 
 import numpy as np
 import worlds_second
+from bench_diagnosis import append, read_rows
+from diagnosis_score import Row
 from joblib import Parallel, delayed
 
 from testbench import worlds
 from testbench.comparing.model_errors import over_the_floors
 from testbench.proposing import Proposed, propose_law
 
-Row = dict[str, Any]
 GOOD = 1.5
 BY_CHANCE = {"electrode_detachment", "moisture_bursts", "loose_wire", "lost_steps", "snapping_yarns"}
 # Where a mechanism acts, and on what it depends. A law of the strain is as good as one of the force that follows it.
@@ -198,15 +198,12 @@ def main() -> None:
     args = parser.parse_args()
     jobs = jobs_of(args.rediscover, args.strengths, args.seeds, args.minutes)
     jobs = [job for job in jobs if not args.only or job.effect in args.only]
-    known: dict[str, Row] = {}
-    if args.results and args.results.exists():
-        known = {row["key"]: row for row in map(json.loads, args.results.read_text().splitlines())}
+    known = {row["key"]: row for row in read_rows(args.results)}
     todo = [] if args.report else [job for job in jobs if job.key not in known]
     for row in Parallel(n_jobs=args.j, return_as="generator_unordered")(delayed(run_job)(job) for job in todo):
         known[row["key"]] = row
         if args.results:
-            with args.results.open("a") as stream:
-                stream.write(json.dumps(row) + "\n")
+            append(args.results, row)
         print(line_of(row), flush=True)
     print(table([known[job.key] for job in jobs if job.key in known]))
 

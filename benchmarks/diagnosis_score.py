@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from sklearn.calibration import calibration_curve
@@ -192,43 +192,47 @@ def confidences(rows: Sequence[Row]) -> tuple[np.ndarray, np.ndarray]:
     return sure, np.array([name == row["answer"] for name, row in best], dtype=bool)
 
 
-def _bins(sure: np.ndarray) -> np.ndarray:
-    """Cases in each bin of the diagram, as scikit-learn counts them, shape (BINS,)."""
-    return np.bincount(np.searchsorted(np.linspace(0, 1, BINS + 1)[1:-1], sure), minlength=BINS)
+class Bin(NamedTuple):
+    """Cases of which the first answer was about as sure."""
+
+    place: int  # from 0 to BINS - 1
+    cases: int
+    sure: float  # in the mean
+    right: float  # share of them
+
+
+def diagram(rows: Sequence[Row]) -> list[Bin]:
+    """The reliability diagram, without its empty bins."""
+    sure, right = confidences(rows)
+    if not len(sure):
+        return []
+    often, said_sure = calibration_curve(right, sure, n_bins=BINS)
+    count = np.bincount(np.searchsorted(np.linspace(0, 1, BINS + 1)[1:-1], sure))  # as scikit-learn has them
+    places = np.flatnonzero(count)
+    return [Bin(*one) for one in zip(places, count[places], said_sure, often, strict=True)]
 
 
 def calibration_error(rows: Sequence[Row]) -> float | None:
     """Mean distance between how sure and how often right, bins weighed by their cases (Naeini et al. 2015)."""
-    sure, right = confidences(rows)
-    if not len(sure):
+    bins = diagram(rows)
+    if not bins:
         return None
-    often, said_sure = calibration_curve(right, sure, n_bins=BINS)
-    count = _bins(sure)
-    return float(np.average(np.abs(often - said_sure), weights=count[count > 0]))
+    return float(np.average([abs(one.right - one.sure) for one in bins], weights=[one.cases for one in bins]))
 
 
 def reliability(rows: Sequence[Row]) -> str:
-    """The reliability diagram as a table: how sure the first answer was, and how often it was right."""
-    sure, right = confidences(rows)
-    header = ["said with", "cases", "mean probability", "right", ""]
-    if not len(sure):
-        return markdown(header, [])
-    often, said_sure = calibration_curve(right, sure, n_bins=BINS)
-    count = _bins(sure)
-    filled = np.flatnonzero(count)
+    """The diagram as a table: how sure the first answer was, and how often it was right."""
     lines = []
-    for place, share_right, probability in zip(filled, often, said_sure, strict=True):
+    for place, cases, sure, right in diagram(rows):
         span = f"{100 * place // BINS} to {100 * (place + 1) // BINS} %"
-        bar = "#" * round(20 * share_right)
-        numbers = [f"{100 * probability:.0f} %", f"{100 * share_right:.0f} %"]
-        lines.append([span, str(count[place]), *numbers, bar])
-    return markdown(header, lines)
+        lines.append([span, str(cases), f"{100 * sure:.0f} %", f"{100 * right:.0f} %", "#" * round(20 * right)])
+    return markdown(["said with", "cases", "mean probability", "right", ""], lines)
 
 
 def markdown(header: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
-    """A table."""
+    """A table; a bar in a cell would end it."""
     out = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
-    return "\n".join(out + ["| " + " | ".join(line) + " |" for line in lines])
+    return "\n".join(out + ["| " + " | ".join(cell.replace("|", "/") for cell in line) + " |" for line in lines])
 
 
 def _groups(rows: Sequence[Row], *keys: str) -> dict[tuple, list[Row]]:

@@ -14,6 +14,9 @@ import tempfile
 import time
 from pathlib import Path
 
+import testbench as tb
+from tests.testbench.builders import record, truth, write_csv
+
 RATE_HZ = 20.0
 LOOK_EVERY_S = 0.2
 
@@ -23,11 +26,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--hours", type=float, default=24.0)
     hours = parser.parse_args().hours
-    sys.path.insert(0, str(Path(__file__).parents[1]))
     os.environ["OMP_NUM_THREADS"] = "1"
-    import testbench as tb
-    from tests.testbench.builders import record, truth, write_csv
-
     hidden = truth() + tb.effects.StressRelaxation(fraction=0.3)
     with tempfile.TemporaryDirectory() as folder:
         pair = [

@@ -21,9 +21,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from bench_diagnosis import read_rows
-from diagnosis_score import at_a_glance, brier_score, calibration_error, confidences, reliability
+from diagnosis_score import at_a_glance, diagram, reliability
 from validation_data import MATERIALS, Material, Pair, all_pairs
 from validation_words import page
 
@@ -32,7 +31,6 @@ from gcode.support.strict import read_json
 from testbench.comparing.remounting import brought_together
 from testbench.diagnosis import Diagnosis, diagnose
 from testbench.diagnosis.diagnosis import calibration_and_held_out
-from testbench.diagnosis.judging.probabilities import NOTHING, UNKNOWN
 from testbench.measurements.measurement import Measurement
 from testbench.recordings.versions import software_versions
 
@@ -58,12 +56,10 @@ def diagnosed(material: Material, pair: Pair, data: Path, picture: Path) -> Row:
         "error_before": told["error_before"],
         "error_after": told["error_after"],
         "noise_floor": told["noise_floor"],
-        "base_misfits": told["base_misfits"],
         "depends_on": told["depends_on"][:3],
         "samples": sum(map(len, every)),
         "minutes": sum(one.duration_s for one in every) / 60,
         "held_out": "the last third" if held_out is None else held_out.source,
-        "recording": every[0].source,
         "picture": picture.name,
         "seconds": time.perf_counter() - start,
     }
@@ -71,12 +67,10 @@ def diagnosed(material: Material, pair: Pair, data: Path, picture: Path) -> Row:
 
 def draw(found: Diagnosis, held: Measurement, path: Path) -> None:
     """Probabilities, and what the model leaves of the held-out samples before and after."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     channels = held.channels
     figure = Figure(figsize=(10, 2.6 + 0.6 * len(channels)), layout="constrained")
-    FigureCanvasAgg(figure)
     grid = figure.add_gridspec(len(channels), 2, width_ratios=(1, 2))
     bars = figure.add_subplot(grid[:, 0])
     ranked = sorted(found.probabilities.items(), key=lambda one: -one[1])[:SHOWN]
@@ -155,20 +149,15 @@ def line_of(row: Mapping[str, Any]) -> str:
 
 def draw_reliability(rows: Sequence[Row], path: Path) -> None:
     """How sure the first answer was over how often it was right."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
-    from sklearn.calibration import calibration_curve
 
-    sure, right = confidences(rows)
-    often, said = calibration_curve(right, sure, n_bins=10)
+    bins = diagram(rows)
     figure = Figure(figsize=(4.6, 4.2), layout="constrained")
-    FigureCanvasAgg(figure)
     axis = figure.add_subplot()
     axis.plot([0, 100], [0, 100], color="0.7", lw=1, ls="--")
-    count = np.histogram(sure, np.linspace(0, 1, 11))[0]
-    axis.plot(100 * said, 100 * often, color="#0072B2", marker="o")
-    for x, y, n in zip(said, often, count[count > 0], strict=False):
-        axis.annotate(f" {n}", (100 * x, 100 * y), va="top", fontsize=8)
+    axis.plot([100 * one.sure for one in bins], [100 * one.right for one in bins], color="#0072B2", marker="o")
+    for one in bins:
+        axis.annotate(f" {one.cases}", (100 * one.sure, 100 * one.right), va="top", fontsize=8)
     axis.set_xlabel("said with / %")
     axis.set_ylabel("right / %")
     axis.set_xlim(0, 102)
@@ -188,8 +177,6 @@ def simulated_of(paths: Iterable[Path], images: Path) -> Row | None:
         "cases": len(rows),
         "glance": at_a_glance(rows),
         "table": reliability(rows),
-        "brier": brier_score(rows),
-        "error": calibration_error(rows),
         "simulators": sorted({str(row.get("simulator")) for row in rows}),
         "strengths": sorted({float(row["strength"]) for row in rows}),
         "minutes": sorted({float(row["minutes"]) for row in rows}),
@@ -230,8 +217,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     images = args.output.parent / "images"
     rows = rows_of(args, images)
     simulated = simulated_of(args.simulated, images)
-    versions = software_versions()
-    write_text(args.output, page(MATERIALS, rows, simulated, versions, (NOTHING, UNKNOWN)))
+    write_text(args.output, page(MATERIALS, rows, simulated, software_versions()))
     print(f"wrote {args.output}")
 
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+from diagnosis_score import markdown
 from validation_data import Material, Pair
+
+from testbench.diagnosis.judging.probabilities import NOTHING
 
 Row = Mapping[str, Any]
 UNITS = {"force": "N", "conductance": "ln S"}
@@ -25,10 +28,10 @@ ln S. The noise is estimated from second differences of the readings: what no sm
 material has one recording, its last third is held out. Where a specimen was pulled several times, all pulls but the
 last are one history, and each has its own zeros of force and displacement, for it was clamped anew.
 
-*As known* means that the most probable hypothesis is one that agrees with what is known of the material, written
-down below it **before** the run; it is not a proof that this mechanism is at work. The verdict is *missing* where
-*nothing* and *unknown* together have less than half: then many mechanisms may share the rest, each with less than
-*nothing* has alone.
+*As known* means that the answer agrees with what is known of the material, written down below it **before** the run;
+it is not a proof that this mechanism is at work. Where the verdict is *unknown*, none is named: the most probable
+mechanism may leave more than half of what it should explain. The verdict is *missing* where *nothing* and *unknown*
+together have less than half: then many mechanisms may share the rest, each with less than *nothing* has alone.
 """
 
 LIMITS = """
@@ -50,7 +53,6 @@ def page(
     rows: Mapping[str, Row],
     simulated: Row | None,
     versions: Mapping[str, str],
-    outside: tuple[str, str],
 ) -> str:
     """The whole page."""
     parts = [
@@ -60,7 +62,7 @@ def page(
     ]
     parts += ["## Methods", METHODS.strip(), "## Data", data_table(materials)]
     parts.append("## Results, material by material")
-    parts += [section(material, rows, outside) for material in materials]
+    parts += [section(material, rows) for material in materials]
     parts += ["## Simulated sensors: are the probabilities true?", reliability_words(simulated)]
     parts += ["## Limits", LIMITS.strip()]
     return "\n\n".join(parts) + "\n"
@@ -85,10 +87,10 @@ def summary(materials: Sequence[Material], rows: Mapping[str, Row]) -> str:
                 continue
             name, chance = top(row)
             errors = "; ".join(fall(row, channel) for channel in row["error_before"])
-            known = agreement(material, name)
-            answer = f"{name.replace('_', ' ')} ({100 * chance:.0f} %)"
+            known = agreement(material, row)
+            answer = f"{spoken(name)} ({100 * chance:.0f} %)"
             lines.append([material.title, pair.title, answer, known, errors, f"{row['seconds']:.0f}"])
-    said = [agreement(m, top(rows[p.key])[0]) for m in materials for p in m.pairs if "verdict" in rows[p.key]]
+    said = [agreement(m, rows[p.key]) for m in materials for p in m.pairs if "verdict" in rows[p.key]]
     failed = sum("error" in rows[p.key] for m in materials for p in m.pairs)
     skipped = sum("skipped" in rows[p.key] for m in materials for p in m.pairs)
     named = f"{said.count('yes')} as known, {said.count('no')} otherwise, {said.count('none named')} without a name"
@@ -101,12 +103,13 @@ def summary(materials: Sequence[Material], rows: Mapping[str, Row]) -> str:
         "held-out error: before, after (noise)",
         "seconds",
     ]
-    return f"{count}\n\n{table(header, lines)}"
+    return f"{count}\n\n{markdown(header, lines)}"
 
 
-def agreement(material: Material, name: str) -> str:
-    """Whether a hypothesis agrees with what is known; *nothing* and *unknown* name no mechanism."""
-    return "yes" if name in material.plausible else "none named" if name in ("nothing", "unknown") else "no"
+def agreement(material: Material, row: Row) -> str:
+    """Whether the answer agrees with what is known; *nothing* and *unknown* name no mechanism."""
+    answer = top(row)[0] if row["verdict"] == "missing" else row["verdict"].removesuffix("_missing")
+    return "yes" if answer in material.plausible else "none named" if row["verdict"] != "missing" else "no"
 
 
 def top(row: Row) -> tuple[str, float]:
@@ -129,56 +132,51 @@ def data_table(materials: Sequence[Material]) -> str:
     """Sources and licences."""
     lines = [[one.title, one.source, one.licence] for one in materials]
     words = (
-        "Measured by others, published with the papers or codes they belong to; tidied to one CSV a "
-        "recording. Where no "
-        "licence is stated all rights are reserved: the recordings are read, and never passed on."
+        "Measured by others, published with the papers or codes they belong to; tidied to one CSV a recording. Where "
+        "no licence is stated all rights are reserved: the recordings are read, and never passed on."
     )
-    return f"{words}\n\n{table(['material', 'source', 'licence'], lines)}"
+    return f"{words}\n\n{markdown(['material', 'source', 'licence'], lines)}"
 
 
-def section(material: Material, rows: Mapping[str, Row], outside: tuple[str, str]) -> str:
+def section(material: Material, rows: Mapping[str, Row]) -> str:
     """One material."""
-    likely = ", ".join(name.replace("_", " ") for name in material.plausible)
+    likely = ", ".join(map(spoken, material.plausible))
     parts = [f"### {material.title}", f"**Known:** {material.known} Agrees with it: {likely}."]
-    parts += [told(pair, rows[pair.key], outside) for pair in material.pairs]
+    parts += [told(pair, rows[pair.key]) for pair in material.pairs]
     return "\n\n".join(parts)
 
 
-def told(pair: Pair, row: Row, outside: tuple[str, str]) -> str:
+def told(pair: Pair, row: Row) -> str:
     """One pair: what the tool says, and the picture."""
     if "verdict" not in row:
         return f"**{pair.title}**: {why_not(row)}."
     chances = ", ".join(
-        f"{spoken(name, outside)} {100 * chance:.0f} %"
+        f"{'nothing is missing' if name == NOTHING else spoken(name)} {100 * chance:.0f} %"
         for name, chance in row["probabilities"].items()
         if chance >= 0.01
     )
-    steps = ", then ".join(
-        f"{one['law'].replace('_', ' ')} ({100 * one['probability']:.0f} %)" for one in row["found"]
-    )
+    steps = ", then ".join(f"{spoken(one['law'])} ({100 * one['probability']:.0f} %)" for one in row["found"])
     put_in = (
         f"Put in: {steps}; {100 * row['left']:.0f} % of the error above the noise is left."
         if steps
         else "Nothing was put in."
     )
-    tied = f" Hardly told apart: {', '.join(name.replace('_', ' ') for name in row['tied'])}." if row["tied"] else ""
+    tied = f" Hardly told apart: {', '.join(map(spoken, row['tied']))}." if row["tied"] else ""
     rest = ""
     if row["depends_on"] and row["verdict"] == "unknown":
         first = row["depends_on"][0]
         rest = f" What is left depends most on {first['coordinate']} ({first['channel']})."
-    errors = "; ".join(fall(row, channel) for channel in row["error_before"])
     lines = [
         f"**{pair.title}** ({row['minutes']:.1f} min, {row['samples']} samples; held out: {row['held_out']}).",
-        f"*{row['verdict'].replace('_', ' ')}*: {chances}. {put_in}{tied}{rest}",
-        f"Held-out error before, after (noise): {errors}.",
+        f"*{spoken(row['verdict'])}*: {chances}. {put_in}{tied}{rest}",
         f"![{pair.title}](images/{row['picture']})",
     ]
     return "\n\n".join(lines)
 
 
-def spoken(name: str, outside: tuple[str, str]) -> str:
-    """A hypothesis in words."""
-    return {outside[0]: "nothing is missing", outside[1]: "unknown"}.get(name, name.replace("_", " "))
+def spoken(name: str) -> str:
+    """A name of the code in words."""
+    return name.replace("_", " ")
 
 
 def reliability_words(simulated: Row | None) -> str:
@@ -192,19 +190,11 @@ def reliability_words(simulated: Row | None) -> str:
     strengths = ", ".join(f"{one:g}" for one in simulated["strengths"])
     minutes = ", ".join(f"{one:g}" for one in simulated["minutes"])
     words = (
-        f"{simulated['cases']} sensors, each with laws, motion and noise of its own, by simulators that share "
-        f"no code with "
-        f"the model ({made}); effects of {strengths} times the noise, recordings of {minutes} min. A "
-        f"probability is true if "
-        "what is said with 90 % is right in nine of ten cases."
+        f"{simulated['cases']} sensors, each with laws, motion and noise of its own, by simulators that share no "
+        f"code with the model ({made}); effects of {strengths} times the noise, recordings of {minutes} min. A "
+        "probability is true if what is said with 90 % is right in nine of ten cases; cases with two effects at once "
+        "have no one answer, and are not in the first table."
     )
     return (
         f"{words}\n\n![Reliability](images/{simulated['picture']})\n\n{simulated['table']}\n\n{simulated['glance']}"
     )
-
-
-def table(header: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
-    """As Markdown; a bar in a cell would end it."""
-    safe = [[cell.replace("|", "/") for cell in line] for line in lines]
-    out = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
-    return "\n".join(out + ["| " + " | ".join(line) + " |" for line in safe])

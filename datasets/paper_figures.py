@@ -13,6 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from compensation.memories.ema import smooth, smoothing_factors
+from compensation.paper.reproduction import over_seeds
+from compensation.series.preprocessing import Series
+from compensation.series.score import r2, standardised
+from compensation.series.score import r2_before as r2_before
+from compensation.training.options import Options
 from gcode.trajectories.planning import plan
 from gcode.trajectories.presets import preset as trajectory
 from testbench.knit.effect import FloatArray
@@ -71,21 +77,6 @@ def campaign(model: KnitModel, seed: int, runs: tuple[str, ...] = RECORDINGS) ->
     return recordings
 
 
-def standardised(values: FloatArray) -> FloatArray:
-    """Zero mean, unit variance."""
-    return (values - values.mean()) / values.std()
-
-
-def r2_before(truth: FloatArray, conductance_S: FloatArray) -> float:
-    """The paper's r2 of the raw signal, both standardised: 2 rho - 1."""
-    return float(2 * np.corrcoef(truth, conductance_S)[0, 1] - 1)
-
-
-def r2(truth: FloatArray, prediction: FloatArray) -> float:
-    """The paper's r2 (mean of the prediction in the denominator)."""
-    return float(1 - np.sum((truth - prediction) ** 2) / np.sum((truth - prediction.mean()) ** 2))
-
-
 def drift(recording: Recording) -> float:
     """Mean conductance of the last three minutes over that of the first three."""
     rows = int(180 * RATE_HZ)
@@ -94,8 +85,6 @@ def drift(recording: Recording) -> float:
 
 def quickly_compensated(recordings: list[Recording]) -> list[float]:
     """r2 after a quadratic ridge regression on the bank, a surrogate for the network; in the order of `AFTER`."""
-    from compensation.memories.ema import smooth, smoothing_factors
-
     signals = [standardised(r.conductance_S) for r in recordings]
     monomials = {
         factor: [_monomials(smooth(x, smoothing_factors(factor, COUNT), RATE_HZ)[::EVERY]) for x in signals]
@@ -111,10 +100,6 @@ def quickly_compensated(recordings: list[Recording]) -> list[float]:
 
 def compensated(recordings: list[Recording], engine: str = "fast", wanted: Sequence[Wanted] = AFTER) -> list[float]:
     """The same by the paper's network (4, 2, 2), mean over the live ones of `STARTS` seeds."""
-    from compensation.paper.reproduction import over_seeds
-    from compensation.series.preprocessing import Series
-    from compensation.training.options import Options
-
     found: list[float] = []
     for training, tests, target, factor in wanted:
         series = [

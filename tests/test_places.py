@@ -42,14 +42,9 @@ def test_a_place_without_use_is_refused_by_its_name(places, name, said):
     assert f"cannot write {places[name]}: " in str(refused.value)
 
 
-@pytest.mark.parametrize("place", [None, "-"])
-def test_no_place_and_standard_output_are_let_through(place):
-    check_place(place)
-
-
-def test_a_file_and_a_new_name_are_let_through(places):
-    check_place(places["file"])
-    check_place(places["file"].with_name("new"))
+def test_no_place_standard_output_a_file_and_a_new_name_are_let_through(places):
+    for place in (None, "-", places["file"], places["file"].with_name("new")):
+        check_place(place)
 
 
 @pytest.mark.parametrize("name", ["pipe", "folder", "link to it"])

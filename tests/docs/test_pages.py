@@ -34,15 +34,6 @@ def test_the_map_names_every_room_that_the_contracts_name():
     assert {room for room in rooms if not re.search(rf"^ +[a-z, ]*\b{room}\b", told, re.MULTILINE)} == set()
 
 
-def test_the_page_of_the_diagnosis_counts_the_numbers_that_nothing_derives():
-    source = (DOCS.parent / "testbench/fitting/constants.py").read_text(encoding="utf-8")
-    believed, spent = (
-        len(re.findall(r"^[A-Z_]+ = [\d.]", part, re.MULTILINE)) for part in source.split("# What is spent")
-    )
-    told = (DOCS / "diagnosis.md").read_text(encoding="utf-8")
-    assert f"{believed} numbers are believed of sensors, and {spent} limit what a search spends" in told
-
-
 def test_every_setting_of_a_piece_of_a_motion_is_on_its_page():
     rows = re.findall(r"^\| `(\w+)` \|.*\| (`.*) \|$", (DOCS / "gcode.md").read_text(encoding="utf-8"), re.MULTILINE)
     told = {kind: set(re.findall(r"`(\w+)`", settings)) for kind, settings in rows}

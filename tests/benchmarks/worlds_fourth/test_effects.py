@@ -24,15 +24,6 @@ def changes(case: Case, plain: Case) -> dict[str, np.ndarray]:
     return {"force": one[FORCE] - other[FORCE], "conductance": np.log(other[RESISTANCE] / one[RESISTANCE])}
 
 
-def test_there_are_as_many_kinds_as_promised() -> None:
-    assert len(MECHANISMS) == 25
-    assert len(UNKNOWN_KINDS) == 9
-    assert not set(MECHANISMS) & set(UNKNOWN_KINDS)
-    for name in KINDS:
-        forms = [form.name for form in [*KNOWN, *UNKNOWN] if form.mechanism == name]
-        assert len(set(forms)) == len(forms) >= (3 if name in MECHANISMS else 2)
-
-
 def test_the_catalogue_has_every_mechanism_and_none_of_the_other_kinds() -> None:
     effects = load_catalogue().effects
     assert set(MECHANISMS) <= set(effects)

@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 from worlds_fourth import LAW_FAMILIES
 from worlds_fourth.laws import DRIFTS, drift_of
-from worlds_fourth.laws.conduction import CONDUCTIONS
 from worlds_fourth.laws.courses import COURSES
 from worlds_fourth.laws.elasticity import CURVES, Elasticity
-from worlds_fourth.laws.friction import FRICTIONS
 from worlds_fourth.motion import make_motion
 from worlds_fourth.randoms import stream
 from worlds_fourth.specimen import draw_specimen
@@ -18,10 +16,6 @@ SPECIMENS = [draw_specimen(seed) for seed in range(120)]
 END = 0.5
 STRAIN = np.linspace(-0.05, 1.05 * END, 500)
 CYCLES = END * np.interp(np.linspace(0, 6, 1801), range(7), [0, 1, 0, 0.7, 0.2, 1, 0])
-
-
-def test_there_are_as_many_laws_as_promised() -> None:
-    assert (len(CURVES), len(FRICTIONS), len(CONDUCTIONS)) == (8, 6, 6)
 
 
 def test_all_laws_are_drawn() -> None:

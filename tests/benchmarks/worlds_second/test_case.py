@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from worlds_second import LAW_FAMILIES, MECHANISMS, PROTOCOLS, UNKNOWN_KINDS, make_case
+from worlds_second import LAW_FAMILIES, MECHANISMS, PROTOCOLS, make_case
 
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
@@ -14,21 +14,9 @@ from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPE
 SHORT = {"minutes": 2.0, "rate_hz": 10.0}
 
 
-@settings(max_examples=8, deadline=None)
-@given(st.integers(0, 2**31), st.sampled_from([*MECHANISMS, *UNKNOWN_KINDS, None]))
-def test_one_seed_is_one_case(seed, effect):
-    first, again = (make_case(effect, seed=seed, **SHORT) for _ in range(2))
-    assert first.truth == again.truth
-    for one, other in ((first.calibration, again.calibration), (first.held_out, again.held_out)):
-        np.testing.assert_array_equal(one.time_s, other.time_s)
-        for name in one.channels:
-            np.testing.assert_array_equal(one[name], other[name])
-
-
-def test_the_recordings_of_two_seeds_differ():
-    one, other = (make_case("none", seed=seed, **SHORT) for seed in (1, 2))
-    assert one.truth["base"] != other.truth["base"]
-    assert not np.allclose(one.calibration[DISPLACEMENT], one.held_out[DISPLACEMENT], atol=0.1)
+def test_the_two_recordings_of_a_case_move_otherwise():
+    case = make_case("none", seed=1, **SHORT)
+    assert not np.allclose(case.calibration[DISPLACEMENT], case.held_out[DISPLACEMENT], atol=0.1)
 
 
 @pytest.mark.parametrize(

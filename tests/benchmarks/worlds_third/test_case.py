@@ -2,49 +2,14 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import pytest
-from worlds_third import LAW_FAMILIES, PROTOCOLS, Case, make_case
+from worlds_third import LAW_FAMILIES, PROTOCOLS, make_case
 
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
 
 SHORT = {"minutes": 3.0, "rate_hz": 20.0}
-
-
-def same(one: Case, other: Case) -> bool:
-    return all(
-        np.array_equal(a[name], b[name])
-        for a, b in ((one.calibration, other.calibration), (one.held_out, other.held_out))
-        for name in (DISPLACEMENT, FORCE, RESISTANCE)
-    )
-
-
-def test_a_seed_is_a_case() -> None:
-    one, again, other = (make_case("clamp_slip", 5.0, seed, **SHORT) for seed in (1, 1, 2))
-    assert same(one, again)
-    assert one.truth == again.truth
-    assert not same(one, other)
-    assert json.loads(json.dumps(one.truth)) == one.truth
-
-
-def test_nothing_is_hidden_where_nothing_is_asked_for() -> None:
-    weak, strong = (make_case("none", strength, 8, **SHORT) for strength in (5.0, 15.0))
-    assert same(weak, strong)
-    assert weak.truth["verdict"] == "nothing_missing"
-    assert weak.truth["effects"] == []
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_the_noise_is_as_asked(seed: int) -> None:
-    """Motion and sensor are the same, so what differs is noise: 10 times less 1 time."""
-    quiet, loud = (make_case("none", 5.0, seed, noise=noise, **SHORT) for noise in (1.0, 10.0))
-    for one, other in ((quiet.calibration, loud.calibration), (quiet.held_out, loud.held_out)):
-        assert np.std(other[FORCE] - one[FORCE]) == pytest.approx(9 * 0.005, rel=0.06)
-        assert np.std(np.log(other[RESISTANCE] / one[RESISTANCE])) == pytest.approx(9 * 8e-4, rel=0.06)
-    assert loud.truth["noise_floor"] == pytest.approx({"force": 0.05, "conductance": 8e-3})
 
 
 def test_all_kinds_of_noise_are_drawn() -> None:

@@ -16,11 +16,6 @@ def values(family: str, name: str, seed: int) -> dict[str, float]:
     return draw(np.random.default_rng([seed, 7]), FAMILIES[family][name].ranges)
 
 
-@pytest.mark.parametrize("family", ["elasticity", "hysteresis", "conductance"])
-def test_a_family_has_at_least_four_members(family: str) -> None:
-    assert len(FAMILIES[family]) >= 4
-
-
 @pytest.mark.parametrize("name", FAMILIES["elasticity"])
 @pytest.mark.parametrize("full", [0.015, 0.3, 1.5])
 def test_the_elastic_force_rises_from_0_to_1_without_corners(name: str, full: float) -> None:

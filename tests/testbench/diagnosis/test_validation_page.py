@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "benchmarks"))
-
 import validation
 from validation_data import MATERIALS, all_pairs, recording
 from validation_words import page
@@ -24,12 +20,10 @@ FOUND = {
     "error_before": {"force": 0.08},
     "error_after": {"force": 0.02},
     "noise_floor": {"force": 0.01},
-    "base_misfits": [],
     "depends_on": [],
     "samples": 2309,
     "minutes": 30.05,
     "held_out": "relax_2d0",
-    "recording": "relax_2d5",
     "picture": "validation-vhb-relax.png",
     "seconds": 40.0,
 }
@@ -45,7 +39,6 @@ def test_the_page_says_what_was_found_failed_and_skipped():
         rows(**{"vhb-relax": FOUND, "sleeve": {"error": "not ended within 9 s"}}),
         None,
         {},
-        ("nothing", "unknown"),
     )
     assert "1 pairs were diagnosed: 1 as known, 0 otherwise, 0 without a name; 1 failed" in text
     assert "stress relaxation 97 %, load cell creep 2 %" in text
@@ -61,9 +54,15 @@ def test_the_page_says_what_was_found_failed_and_skipped():
 
 def test_what_is_not_known_of_the_material_is_counted_against_it():
     wrong = FOUND | {"probabilities": {"clamp_slip": 0.99}}
-    text = page(MATERIALS, rows(**{"vhb-relax": wrong}), None, {}, ("nothing", "unknown"))
+    text = page(MATERIALS, rows(**{"vhb-relax": wrong}), None, {})
     assert "1 pairs were diagnosed: 0 as known, 1 otherwise" in text
     assert "| clamp slip (99 %) | no |" in text
+
+
+def test_the_nearest_mechanism_of_an_unknown_is_no_name():
+    text = page(MATERIALS, rows(**{"vhb-relax": FOUND | {"verdict": "unknown"}}), None, {})
+    assert "0 as known, 0 otherwise, 1 without a name" in text
+    assert "| stress relaxation (97 %) | none named |" in text
 
 
 def test_a_pair_that_takes_too_long_or_fails_is_a_row(tmp_path):
@@ -118,9 +117,9 @@ def test_the_reliability_diagram_comes_from_the_results_of_the_benchmark(tmp_pat
     path.write_text("".join(json.dumps(line) + "\n" for line in lines))
     told = validation.simulated_of([path], tmp_path / "images")
     assert told["cases"] == 10
-    assert told["error"] == pytest.approx(0.0, abs=1e-9)
+    assert "| expected calibration error | 0.000 |" in told["glance"]
     assert (tmp_path / "images" / told["picture"]).is_file()
-    text = page(MATERIALS, rows(), told, {}, ("nothing", "unknown"))
+    text = page(MATERIALS, rows(), told, {})
     assert "10 sensors" in text
     assert validation.simulated_of([tmp_path / "absent.jsonl"], tmp_path) is None
 

@@ -1,0 +1,76 @@
+"""What holds for the second, third and fourth simulator alike: the same every time, with the noise asked for."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import worlds_fourth
+import worlds_second
+import worlds_third
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from testbench.recordings.channels import FORCE, RESISTANCE
+
+SIMULATORS = (worlds_second, worlds_third, worlds_fourth)
+SHORT = {"minutes": 2.0, "rate_hz": 20.0}
+
+
+def same(one, other) -> bool:
+    """Whether two cases have the same recordings, to the last digit."""
+    pairs = ((one.calibration, other.calibration), (one.held_out, other.held_out))
+    return all(
+        np.array_equal(a.time_s, b.time_s) and all(np.array_equal(a[name], b[name]) for name in a.channels)
+        for a, b in pairs
+    )
+
+
+def name_of(simulator) -> str:
+    return simulator.__name__
+
+
+@pytest.mark.parametrize("simulator", SIMULATORS, ids=name_of)
+def test_a_seed_is_a_case(simulator) -> None:
+    @settings(max_examples=4, deadline=None)
+    @given(st.integers(0, 2**31), st.sampled_from([*simulator.MECHANISMS, *simulator.UNKNOWN_KINDS, None]))
+    def check(seed: int, effect: str | None) -> None:
+        one, again = (simulator.make_case(effect, 5.0, seed, **SHORT) for _ in range(2))
+        assert same(one, again)
+        assert one.truth == again.truth == json.loads(json.dumps(one.truth))
+
+    check()
+
+
+@pytest.mark.parametrize("simulator", SIMULATORS, ids=name_of)
+def test_another_seed_is_another_sensor(simulator) -> None:
+    one, other = (simulator.make_case("none", seed=seed, **SHORT) for seed in (1, 2))
+    assert not same(one, other)
+    assert one.truth["base"] != other.truth["base"]
+
+
+@pytest.mark.parametrize("simulator", SIMULATORS, ids=name_of)
+def test_nothing_is_hidden_where_nothing_is_asked_for(simulator) -> None:
+    weak, strong = (simulator.make_case("none", strength, 8, **SHORT) for strength in (5.0, 15.0))
+    assert same(weak, strong)
+    assert weak.truth["verdict"] == "nothing_missing"
+    assert weak.truth["effects"] == []
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("simulator", SIMULATORS, ids=name_of)
+def test_the_noise_is_as_asked(simulator, seed: int) -> None:
+    """Motion and sensor are the same, so what differs is noise: 10 times less 1 time."""
+    quiet, loud = (
+        simulator.make_case("none", 5.0, seed, noise=noise, minutes=3.0, rate_hz=20.0) for noise in (1.0, 10.0)
+    )
+    for one, other in ((quiet.calibration, loud.calibration), (quiet.held_out, loud.held_out)):
+        assert np.std(other[FORCE] - one[FORCE]) == pytest.approx(9 * 0.005, rel=0.06)
+        assert np.std(np.log(other[RESISTANCE] / one[RESISTANCE])) == pytest.approx(9 * 8e-4, rel=0.06)
+    assert loud.truth["noise_floor"] == pytest.approx({"force": 0.05, "conductance": 8e-3})
+
+
+@pytest.mark.parametrize("simulator", SIMULATORS, ids=name_of)
+def test_what_no_catalogue_has_is_no_mechanism_of_it(simulator) -> None:
+    assert not set(simulator.MECHANISMS) & set(simulator.UNKNOWN_KINDS)
