@@ -28,7 +28,7 @@ from gcode.trajectories.protocol import Piece
 from gcode.trajectories.trajectory import Limits, TrajectorySpec
 
 RATE_HZ = 20.0
-SHORTEST_EXPERIMENT_S = 120.0
+SHORTEST_EXPERIMENT_S, LONGEST_EXPERIMENT_S = 120.0, 24 * 3600.0
 SHORTEST_STROKE_S = 2 / RATE_HZ  # a stroke of less than two steps cannot be planned
 APPROACHES_S = 12.0  # to the first position of a random motion, and back to zero at the end
 NOISE = "noise"  # the protocol that all others are measured against
@@ -133,7 +133,7 @@ def _in_time(name: str, bounds: Bounds, share: float, seed: int) -> Made | None:
 
 
 def _check(bounds: Bounds) -> None:
-    if not SHORTEST_EXPERIMENT_S <= bounds.duration_s <= 24 * 3600:
+    if not SHORTEST_EXPERIMENT_S <= bounds.duration_s <= LONGEST_EXPERIMENT_S:
         raise UserError(
             f"duration_s: an experiment takes {SHORTEST_EXPERIMENT_S:.0f} s to 24 h, got {bounds.duration_s:g} s"
         )

@@ -293,14 +293,20 @@ def apply_checked(name: str, effect: Effect, state: Mapping[str, FloatArray], dt
         raise
     except BaseException as error:  # sys.exit would end the command as if all were well
         raise UserError(f"effect {name} raised {type(error).__name__}: {error}{remedy}") from error
-    if not isinstance(written, Mapping) or set(written) != set(effect.writes):
-        came = ", ".join(written) if isinstance(written, Mapping) else type(written).__name__
+    if came := strangely_written(effect, written):
         raise UserError(f"effect {name} must return {', '.join(effect.writes)}, got {came}{remedy}")
     for signal, values in written.items():
         problem = _unusable(values, len(state["time_s"]))
         if problem:
             raise UserError(f"effect {name} returned {signal} {problem} (its parameters: {effect}){remedy}")
     return written
+
+
+def strangely_written(effect: Effect, written: object) -> str:
+    """What came in the place of the signals that an effect writes; empty where it is those."""
+    if not isinstance(written, Mapping):
+        return type(written).__name__
+    return "" if set(written) == set(effect.writes) else ", ".join(map(str, written)) or "nothing"
 
 
 def _ours(effect: Effect) -> bool:

@@ -178,6 +178,50 @@ def test_an_effect_that_would_end_the_program_does_not(tmp_path: Path) -> None:
         preset("pes").plus(bad).simulate(inputs(time_s, 0.1 * time_s), 0.05)
 
 
+@pytest.mark.parametrize(
+    ("said", "instead", "told"),
+    [
+        ("parameter(0.1, unit", "parameter(9.0, unit", "Bad.gain must be a number from 0 to 1, got 9"),
+        ('parameter(0.1, unit="1", low=0, high=1, doc="gain")', "0.1", "amiss: gain$"),
+        ("    gain: float", "    near: float", "amiss: near$"),
+        ('strength = "gain"', 'optional_reads = ("temperature_C")', "amiss: optional_reads$"),
+        ("low=0", "low=2", "finite bounds, low < high.* got scale='linear', low=2, high=1"),
+        ("low=0", 'low=0, scale="log"', "above 0 with"),
+        ("low=0", 'low=0, scale="Log"', "a scale of"),
+        ('"bad"', '"b\\nad"', "one word of letters, digits and _; got 'b.nad'"),
+        ('"bad"', "5", "one word of letters, digits and _; got 5"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:Field name")
+def test_a_class_that_cannot_be_is_refused(said: str, instead: str, told: str, tmp_path: Path) -> None:
+    text = BROKEN.replace("BODY", 'return {"conductance_S": signals["conductance_S"] * 2}')
+    (tmp_path / "bad.py").write_text(text.replace(said, instead), encoding="utf-8")
+    with pytest.raises(UserError, match=told):
+        load_catalogue(tmp_path / "bad.py")["bad"]()
+
+
+def test_what_a_class_lists_as_parameters_must_be_some(tmp_path: Path) -> None:
+    body = 'return {"conductance_S": signals["conductance_S"] * (1 + self.gain)}'
+    text = BROKEN.replace("BODY", body).replace('look = "n', 'jumps = ("when_s",)\n    look = "n')
+    (tmp_path / "bad.py").write_text(text, encoding="utf-8")
+    assert check(load_catalogue(tmp_path / "bad.py")["bad"]()) == ["jumps names when_s, which is not a parameter"]
+
+
+@pytest.mark.parametrize(
+    ("body", "told"),
+    [
+        ("return None", "returns NoneType, but declares conductance_S"),
+        ('return {"conductance_S": signals["strain"] * 2}', "KeyError: 'strain is not among what it reads'"),
+        ("self.gain = 3.0", "ValidationError: gain: Instance is frozen, got 3.0"),
+    ],
+)
+def test_what_an_effect_raises_is_told_once(body: str, told: str, tmp_path: Path) -> None:
+    (tmp_path / "bad.py").write_text(BROKEN.replace("BODY", body), encoding="utf-8")
+    (problem,) = check(load_catalogue(tmp_path / "bad.py")["bad"]())
+    assert told in problem
+    assert "\n" not in problem
+
+
 def test_an_effect_that_does_not_settle_on_finer_grids_is_caught(tmp_path: Path) -> None:
     body = 'return {"conductance_S": signals["conductance_S"] + self.gain * np.random.default_rng(0).normal('
     body += 'size=signals["conductance_S"].shape)}'
@@ -347,3 +391,21 @@ def test_a_guess_far_out_of_bounds_is_moved_into_them() -> None:
     assert (hum.model_dump()["frequency_Hz"], hum.model_dump()["phase_rad"]) == (0.02, 6.3)
     slips = catalogue["clamp_slip_events"]().near(amounts=(9.0,) + (-1.0,) * 11)
     assert slips.model_dump()["amounts"] == (0.5,) + (0.0,) * 11
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"nope": 1}, "StressRelaxation has no parameter nope; it has fraction, tau_s"),
+        ({"fraction": "x"}, "StressRelaxation.fraction must be a number from 0 to 0.9, got 'x'"),
+        ({"fraction": None}, "StressRelaxation.fraction must be a number from 0 to 0.9, got None"),
+    ],
+)
+def test_a_guess_that_is_none_is_refused_in_one_sentence(changes: dict[str, object], told: str) -> None:
+    with pytest.raises(UserError, match=told):
+        CATALOGUE["stress_relaxation"]().near(**changes)
+
+
+def test_a_guess_of_a_vector_may_be_a_list() -> None:
+    guess = CATALOGUE["stress_relaxation_prony"]().near(fractions=[9.0] * 7)
+    assert guess.model_dump()["fractions"] == (1.0,) * 7
