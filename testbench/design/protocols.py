@@ -13,16 +13,7 @@ from gcode.motion.path import Frame, join
 from gcode.programs.make import Made, make
 from gcode.support.errors import UserError
 from gcode.support.kinds import number
-from gcode.trajectories.designed import (
-    Hold,
-    Multisine,
-    Protocol,
-    Ramp,
-    RateSweep,
-    ReturnToZero,
-    Staircase,
-    Triangle,
-)
+from gcode.trajectories.designed import Hold, Multisine, Protocol, Ramp, RateSweep, ReturnToZero, Staircase, Triangle
 from gcode.trajectories.natural import Noise
 from gcode.trajectories.protocol import Piece
 from gcode.trajectories.trajectory import Limits, TrajectorySpec
@@ -119,9 +110,7 @@ def drivable(bounds: Bounds, seed: int) -> dict[str, Made]:
 def _in_time(name: str, bounds: Bounds, share: float, seed: int) -> Made | None:
     """The program of a protocol, for a share of the limits, designed for less time as long as it takes too long."""
     eased = replace(
-        bounds,
-        v_max_mm_per_s=share * bounds.v_max_mm_per_s,
-        a_max_mm_per_s2=share * bounds.a_max_mm_per_s2,
+        bounds, v_max_mm_per_s=share * bounds.v_max_mm_per_s, a_max_mm_per_s2=share * bounds.a_max_mm_per_s2
     )
     for _ in range(_DESIGNS):
         made = make(spec_of(name, MENU[name](eased), bounds), seed, bounds.gauge_length_mm)

@@ -92,11 +92,7 @@ class ContactRelaxationProny(ContactRelaxationLaw):
     look = "in a hold the conductance changes over whatever times while the force does not"
 
     fractions: tuple[float, ...] = parameter(
-        (0.0,) * len(SPOTS_S),
-        unit="1",
-        low=-3,
-        high=1,
-        doc="share of the contact force that is lost at each time",
+        (0.0,) * len(SPOTS_S), unit="1", low=-3, high=1, doc="share of the contact force that is lost at each time"
     )
 
     def gained_N(self, pressing_N: FloatArray, dt_s: float) -> FloatArray:

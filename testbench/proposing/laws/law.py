@@ -149,14 +149,21 @@ class Term:
     def within(self, names: Mapping[str, Any], values: Mapping[str, float]) -> FloatArray:
         """The same, from names that were made once for many terms."""
         space = {**names, "self": SimpleNamespace(**values)}
-        for line in self.lines:
-            space["x"] = eval(compiled(line), space)
-        return space["x"]
+        first, *others = self.lines
+        made: dict[str, FloatArray] = names["made"]  # coordinates without parameters: the same for many laws
+        if (x := made.get(first)) is None:
+            x = eval(compiled(first), space)
+            if not self.coordinate.slots:
+                made[first] = x
+        for line in others:
+            space["x"] = x
+            x = eval(compiled(line), space)
+        return x
 
 
 def namespace(signals: Signals, dt_s: float) -> dict[str, Any]:
     """The names that the code of a law may use: operators, and the signals of the chain under their short names."""
-    space: dict[str, Any] = {**TOOLS, "dt_s": dt_s}
+    space: dict[str, Any] = {**TOOLS, "dt_s": dt_s, "made": {}}
     for signal, (name, _) in NAMES.items():
         if signal in signals:
             values = signals[signal]

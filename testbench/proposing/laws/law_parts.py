@@ -12,6 +12,7 @@ Names in the code: ``e`` strain, ``F`` force, ``P`` contact force, ``ln_g`` ln o
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 from testbench.proposing.laws.units import ONE, Unit
 
@@ -86,3 +87,11 @@ class Operator:
     times: Unit = ONE
     squares: bool = False
     only_positive: bool = False
+
+
+Piece = TypeVar("Piece", Coordinate, Operator)
+
+
+def named(*pieces: Piece) -> dict[str, Piece]:
+    """Pieces by their names."""
+    return {one.name: one for one in pieces}
