@@ -232,5 +232,4 @@ class ElectricalOvershootForce(SpotsLaw):
     tau_s: float = parameter(15.0, unit="s", low=5, high=300, scale="log", doc="time in which it settles")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        sudden = highpass(signals["contact_force_N"], self.tau_s, dt_s)
-        return self.gain_per_N * sudden
+        return self.gain_per_N * highpass(signals["contact_force_N"], self.tau_s, dt_s)
