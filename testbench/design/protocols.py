@@ -15,6 +15,7 @@ from gcode.support.errors import UserError
 from gcode.support.kinds import number
 from gcode.trajectories.designed import Hold, Multisine, Protocol, Ramp, RateSweep, ReturnToZero, Staircase, Triangle
 from gcode.trajectories.natural import Noise
+from gcode.trajectories.planning import check_request
 from gcode.trajectories.protocol import Piece
 from gcode.trajectories.trajectory import Limits, TrajectorySpec
 
@@ -94,9 +95,10 @@ def drivable(bounds: Bounds, seed: int) -> dict[str, Made]:
     Raises
     ------
     UserError
-        As `menu`.
+        As `menu`, or for a seed or a gauge length that no trajectory has.
     """
     _check(bounds)
+    check_request(spec_of("any", [Hold(duration_s=1.0)], bounds), seed, bounds.gauge_length_mm)
     found: dict[str, Made] = {}
     for share in SHARES:
         for name in [name for name in MENU if name not in found]:

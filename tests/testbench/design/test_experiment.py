@@ -101,6 +101,16 @@ def test_impossible_bounds_are_refused(changes, match):
         menu(Bounds(**changes))
 
 
+def test_a_seed_that_no_trajectory_has_is_told_as_such_and_not_as_a_limit_of_the_machine():
+    with pytest.raises(UserError, match=r"^seed must be a whole number from 0 to"):
+        propose(rivals("permanent_set"), FLOORS, BOUNDS, seed=10**30)
+
+
+def test_a_picture_in_another_format_is_refused_before_any_work(capsys):
+    assert main(["experiment", "one.json", "other.json", "--plot", "next.txt"]) == 2
+    assert "next.txt: a figure is written as png, pdf, svg" in capsys.readouterr().err
+
+
 def test_the_same_model_twice_is_refused():
     with pytest.raises(UserError, match="the same model"):
         propose([Rival("a", truth()), Rival("b", truth())], FLOORS, BOUNDS)

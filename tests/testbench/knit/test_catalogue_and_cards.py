@@ -88,6 +88,13 @@ def test_picture_is_a_png(tmp_path: Path) -> None:
     assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_picture_is_what_its_name_says(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["effects", "drift", "--plot", str(tmp_path / "drift.svg")]) == 0
+    assert "<svg" in (tmp_path / "drift.svg").read_text()
+    assert main(["effects", "drift", "--plot", str(tmp_path / "drift.gif")]) == 2
+    assert "drift.gif: a figure is written as png, pdf, svg" in capsys.readouterr().err
+
+
 def test_template_keeps_the_rules_and_takes_part_in_a_model(tmp_path: Path) -> None:
     write_template("my_effect", tmp_path / "mine.py")
     catalogue = load_catalogue(tmp_path / "mine.py")
