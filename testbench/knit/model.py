@@ -57,6 +57,8 @@ class KnitModel(Unchanging):
                     f"KnitModel: {name!r} must name an effect, as testbench.effects.StressRelaxation(fraction=0.2), "
                     f"got {type(effect).__name__}"
                 )
+            if not name.isprintable() or "." in name or not name:
+                raise UserError(f"KnitModel: an effect's name must be printable, without a point; got {name!r}")
         # What is in it is frozen itself, and a fit makes many models.
         object.__setattr__(self, "effects", ReadOnly(self.effects))
 
@@ -80,7 +82,7 @@ class KnitModel(Unchanging):
     def __getitem__(self, name: str) -> Effect:
         try:
             return self.effects[name]
-        except KeyError:
+        except (KeyError, TypeError):  # the second: of what no dict can hold, such as a list of names
             raise UserError(f"the model has no effect {name}; it has {', '.join(self.effects)}") from None
 
     def plus(self, effect: Effect, name: str | None = None) -> KnitModel:

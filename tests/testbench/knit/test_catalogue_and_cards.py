@@ -340,6 +340,17 @@ def test_a_parameter_that_cannot_be_is_refused_in_one_sentence(name: str, parame
         CATALOGUE[name]().replaced(**parameters)
 
 
+@pytest.mark.parametrize("name", ["a.b", "a\nb", ""])
+def test_a_name_that_no_address_can_have_is_refused_in_a_model(name: str) -> None:
+    with pytest.raises(UserError, match="must be printable, without a point; got "):
+        KnitModel({name: CATALOGUE["drift"]()})
+
+
+def test_a_list_of_names_is_no_name_of_an_effect() -> None:
+    with pytest.raises(UserError, match=r"the model has no effect \['drift'\]; it has "):
+        preset("pes").without(["drift"])  # type: ignore[arg-type]
+
+
 def test_a_model_is_a_frame_of_all_its_numbers() -> None:
     model = KnitModel.of(CATALOGUE["elasticity"](stiffness_N=7), CATALOGUE["stress_relaxation_prony"]())
     frame = model.to_frame()
@@ -365,6 +376,8 @@ def test_unknown_preset_lists_what_there_is() -> None:
     assert names() == ["lycra", "pes"]
     with pytest.raises(UserError, match="there are lycra, pes"):
         preset("cotton")
+    with pytest.raises(UserError, match="a specimen is a preset, @ and a whole number"):
+        preset("pes@" + "9" * 5000)
 
 
 def test_command_lists_shows_draws_starts_and_checks(
