@@ -29,7 +29,6 @@ class Slot:
     ----------
     key : str
         Its name in the effect; it ends in its unit where that is not 1.
-    symbol, doc : str
     kind : {"time", "delay", "skew", "level", "size", "strain", "path", "swing", "frequency", "number", "angle"}
         Where its values lie: a time constant; a delay; a share of the time; a level or a size of the input `x` (its
         unit is the input's); a strain; a path; a swing of the strain; a frequency; a number between `low` and `high`;
@@ -52,7 +51,6 @@ class Coordinate:
     ----------
     code : str
         One expression.
-    latex, words : str
     reads : tuple of str
         Signals of the chain that it needs.
     """
