@@ -171,15 +171,14 @@ def _extreme(signals: Signals) -> dict[str, FloatArray]:
 
 
 def has_vector_strength(effect: Effect) -> bool:
-    """Whether the strength is a set of weights; their zero is the effect's default."""
+    """Whether the strength is a set of weights."""
     return bool(effect.strength) and isinstance(getattr(effect, effect.strength), tuple)
 
 
 def absent(effect: Effect) -> Effect:
     """The effect at zero strength."""
-    if has_vector_strength(effect):
-        return type(effect)()
-    return effect.replaced(**{effect.strength: 0.0})
+    strength = getattr(effect, effect.strength)
+    return effect.replaced(**{effect.strength: (0.0,) * len(strength) if isinstance(strength, tuple) else 0.0})
 
 
 def is_nothing_at_zero_strength(effect: Effect) -> str:

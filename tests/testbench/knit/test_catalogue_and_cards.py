@@ -214,6 +214,13 @@ def test_what_a_class_lists_as_parameters_must_be_some(tmp_path: Path) -> None:
     assert check(load_catalogue(tmp_path / "bad.py")["bad"]()) == ["jumps names when_s, which is not a parameter"]
 
 
+def test_weights_that_are_not_zero_by_themselves_are_tried_at_zero(tmp_path: Path) -> None:
+    body = 'return {"conductance_S": signals["conductance_S"] * (1 + self.gain[0])}'
+    text = BROKEN.replace("BODY", body).replace("float = parameter(0.1", "tuple[float, ...] = parameter((0.1,)")
+    (tmp_path / "bad.py").write_text(text, encoding="utf-8")
+    assert check(load_catalogue(tmp_path / "bad.py")["bad"]()) == []
+
+
 @pytest.mark.parametrize(
     ("body", "told"),
     [
