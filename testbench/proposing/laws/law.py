@@ -109,10 +109,7 @@ class Term:
         """The Python code of z: one line for the coordinate, one for each operator."""
         pieces = [self.coordinate.code, *(one.code for one in self.operators)]
         sizes = (1.0, *self.sizes, *(1.0 for _ in pieces))
-        return tuple(
-            piece.replace("{span}", f"{self.span:g}").replace("{size}", f"{size:g}")
-            for piece, size in zip(pieces, sizes, strict=False)
-        )
+        return tuple(_written(piece, self.span, size) for piece, size in zip(pieces, sizes, strict=False))
 
     @property
     def latex(self) -> str:
@@ -170,6 +167,12 @@ def namespace(signals: Signals, dt_s: float) -> dict[str, Any]:
             values = filters.log_conductance(values) if signal == "conductance_S" else values
             space[name] = values - values[0] if signal in SINCE_START else values
     return space
+
+
+@lru_cache(maxsize=1000)
+def _written(code: str, span: float, size: float) -> str:
+    """The code of a piece with its numbers in it."""
+    return code.replace("{span}", f"{span:g}").replace("{size}", f"{size:g}")
 
 
 @lru_cache(maxsize=1000)
