@@ -176,9 +176,10 @@ def has_vector_strength(effect: Effect) -> bool:
 
 
 def absent(effect: Effect) -> Effect:
-    """The effect at zero strength."""
-    strength = getattr(effect, effect.strength)
-    return effect.replaced(**{effect.strength: (0.0,) * len(strength) if isinstance(strength, tuple) else 0.0})
+    """The effect at zero strength; where that is a set of weights, any others are as by themselves."""
+    if has_vector_strength(effect):
+        return type(effect)(**{effect.strength: (0.0,) * len(getattr(effect, effect.strength))})
+    return effect.replaced(**{effect.strength: 0.0})
 
 
 def is_nothing_at_zero_strength(effect: Effect) -> str:

@@ -146,15 +146,14 @@ class Term:
     def within(self, names: Mapping[str, Any], values: Mapping[str, float]) -> FloatArray:
         """The same, from names that were made once for many terms."""
         space = {**names, "self": SimpleNamespace(**values)}
-        first, *others = self.lines
         made: dict[str, FloatArray] = names["made"]  # coordinates without parameters: the same for many laws
-        if (x := made.get(first)) is None:
-            x = eval(compiled(first), space)
-            if not self.coordinate.slots:
-                made[first] = x
-        for line in others:
+        first = self.lines[0]
+        x: Any = made.get(first)
+        for line in self.lines if x is None else self.lines[1:]:
             space["x"] = x
             x = eval(compiled(line), space)
+            if line is first and not self.coordinate.slots:
+                made[first] = x
         return x
 
 
