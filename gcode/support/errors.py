@@ -17,7 +17,7 @@ class UserError(ValueError):
     """
 
 
-def first_problem(error: Exception) -> str:
+def first_problem(error: BaseException) -> str:
     """Turn a pydantic ``ValidationError`` into one sentence: where, what is allowed, what came."""
     details = getattr(error, "errors", None)
     if details is None:

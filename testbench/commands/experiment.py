@@ -32,6 +32,7 @@ def run(args: argparse.Namespace) -> int:
     from testbench.api.experiments.designing import next_experiment
     from testbench.api.progress import Telling
     from testbench.design.protocols import MENU
+    from testbench.report.writing.static import figure_format
 
     if args.diagnosis and (args.models or not args.fit):
         raise UserError("experiment: --diagnosis goes with --fit RECORDING and without MODEL files")
@@ -40,6 +41,8 @@ def run(args: argparse.Namespace) -> int:
         raise UserError(f"experiment: {told}")
     check_place(args.json)
     check_place(args.plot)
+    if args.plot:
+        figure_format(args.plot)
     tell = Telling("motion", len(MENU), "imitating on")
     found = next_experiment(
         args.diagnosis or args.models,

@@ -76,9 +76,9 @@ def as_a_step(
 
 
 def _with_fit(file: ModelFile) -> tuple[Mapping[str, Any], ...]:
-    """The history of a model whose last step keeps what its fit found: another step is to stand on it."""
-    *earlier, last = file.history
-    return (*earlier, {**last, "fit": file.fit} if file.fit else last)
+    """The history of a model, if any, whose last step keeps what its fit found: another step is to stand on it."""
+    told = {"fit": file.fit} if file.fit else {}
+    return (*file.history[:-1], *({**last, **told} for last in file.history[-1:]))
 
 
 def ladder_step(step: str, model: KnitModel, calibration: Measurement, held: Measurement) -> dict[str, Any]:

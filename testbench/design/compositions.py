@@ -58,7 +58,6 @@ class Motion:
     ----------
     genes : tuple of Gene
         Empty for a named protocol.
-    spec : TrajectorySpec
     trajectory : Trajectory
         As planned.
     """

@@ -31,7 +31,6 @@ class Option:
 
     Attributes
     ----------
-    name : str
     made : Made
         Its checked program.
     hardest : Imitation

@@ -36,7 +36,6 @@ class Likely:
     ----------
     name : str
         ``nothing`` or a mechanism.
-    probability : float
     model : KnitModel
         Fitted to all readings so far.
     scales : mapping of str to float

@@ -13,22 +13,14 @@ from gcode.motion.path import Frame, join
 from gcode.programs.make import Made, make
 from gcode.support.errors import UserError
 from gcode.support.kinds import number
-from gcode.trajectories.designed import (
-    Hold,
-    Multisine,
-    Protocol,
-    Ramp,
-    RateSweep,
-    ReturnToZero,
-    Staircase,
-    Triangle,
-)
+from gcode.trajectories.designed import Hold, Multisine, Protocol, Ramp, RateSweep, ReturnToZero, Staircase, Triangle
 from gcode.trajectories.natural import Noise
+from gcode.trajectories.planning import check_request
 from gcode.trajectories.protocol import Piece
 from gcode.trajectories.trajectory import Limits, TrajectorySpec
 
 RATE_HZ = 20.0
-SHORTEST_EXPERIMENT_S = 120.0
+SHORTEST_EXPERIMENT_S, LONGEST_EXPERIMENT_S = 120.0, 24 * 3600.0
 SHORTEST_STROKE_S = 2 / RATE_HZ  # a stroke of less than two steps cannot be planned
 APPROACHES_S = 12.0  # to the first position of a random motion, and back to zero at the end
 NOISE = "noise"  # the protocol that all others are measured against
@@ -103,9 +95,10 @@ def drivable(bounds: Bounds, seed: int) -> dict[str, Made]:
     Raises
     ------
     UserError
-        As `menu`.
+        As `menu`, or for a seed or a gauge length that no trajectory has.
     """
     _check(bounds)
+    check_request(spec_of("any", [Hold(duration_s=1.0)], bounds), seed, bounds.gauge_length_mm)
     found: dict[str, Made] = {}
     for share in SHARES:
         for name in [name for name in MENU if name not in found]:
@@ -119,9 +112,7 @@ def drivable(bounds: Bounds, seed: int) -> dict[str, Made]:
 def _in_time(name: str, bounds: Bounds, share: float, seed: int) -> Made | None:
     """The program of a protocol, for a share of the limits, designed for less time as long as it takes too long."""
     eased = replace(
-        bounds,
-        v_max_mm_per_s=share * bounds.v_max_mm_per_s,
-        a_max_mm_per_s2=share * bounds.a_max_mm_per_s2,
+        bounds, v_max_mm_per_s=share * bounds.v_max_mm_per_s, a_max_mm_per_s2=share * bounds.a_max_mm_per_s2
     )
     for _ in range(_DESIGNS):
         made = make(spec_of(name, MENU[name](eased), bounds), seed, bounds.gauge_length_mm)
@@ -133,7 +124,7 @@ def _in_time(name: str, bounds: Bounds, share: float, seed: int) -> Made | None:
 
 
 def _check(bounds: Bounds) -> None:
-    if not SHORTEST_EXPERIMENT_S <= bounds.duration_s <= 24 * 3600:
+    if not SHORTEST_EXPERIMENT_S <= bounds.duration_s <= LONGEST_EXPERIMENT_S:
         raise UserError(
             f"duration_s: an experiment takes {SHORTEST_EXPERIMENT_S:.0f} s to 24 h, got {bounds.duration_s:g} s"
         )

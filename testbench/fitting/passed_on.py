@@ -19,7 +19,7 @@ from testbench.knit.cache import Change, SimulationCache
 from testbench.knit.effect import Effect, FloatArray, Signals
 from testbench.knit.filters import log_ratio, shifted
 from testbench.knit.model import KnitModel, signals_for
-from testbench.knit.readout.linear_reading import LinearReading
+from testbench.knit.readout.reading_age import ReadingAge
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.responses import SIGNAL_OF
 
@@ -107,7 +107,7 @@ class Chain:
         """What the readings make of a change of the signals that this law reads."""
         then, (name, law) = self.answers_behind(number), self.laws[number]
         before = self.before[number]
-        if isinstance(law, LinearReading) and _is_last(law, then):
+        if isinstance(law, ReadingAge) and _is_last(law, then):
             return self._instrument(law, then, number)
         slopes = {c: {s: x for s, x in own.items() if s not in law.writes} for c, own in then.slopes.items()}
         remembered = {s: last for s, last in then.remembered.items() if s not in law.writes}
@@ -140,7 +140,7 @@ class Chain:
                 if written in own:
                     slopes[channel][signal] = slopes[channel].get(signal, 0.0) + own[written] * slope
 
-    def _instrument(self, law: LinearReading, then: Answers, number: int) -> Answers:
+    def _instrument(self, law: ReadingAge, then: Answers, number: int) -> Answers:
         """An instrument reads a change as it reads the whole; what comes behind it follows."""
         (signal,), time_s = law.writes, self.before[number]["time_s"]
         (channel,) = (c for c, own in then.slopes.items() if signal in own)
@@ -174,7 +174,7 @@ def _moved(state: Signals, signal: str) -> tuple[Signals, float]:
     return {**state, signal: values + step}, step
 
 
-def _is_last(law: LinearReading, then: Answers) -> bool:
+def _is_last(law: ReadingAge, then: Answers) -> bool:
     """Whether what the instrument reads reaches one channel only, and nothing else does."""
     (signal,) = law.writes
     reached = [own for own in then.slopes.values() if signal in own]

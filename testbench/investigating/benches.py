@@ -36,15 +36,12 @@ class Order:
 
     Attributes
     ----------
-    program : Path
     folder : Path
         Campaign folder to write.
-    gauge_length_mm : float
     past : sequence of Path
         Programs that this specimen went through before; empty for a fresh one.
     rest_s : float
         Rest after each of them.
-    seed : int
     """
 
     program: Path
@@ -74,9 +71,6 @@ class SimulatedBench:
 
     Attributes
     ----------
-    model : KnitModel
-    sensor : str
-    instruments : Instruments
     effects : Path, optional
         File with effects of the user's own that the model uses.
     """
@@ -115,7 +109,6 @@ class PtyBench:
 
     Attributes
     ----------
-    simulated : SimulatedBench
     speed : float
         Times faster than real.
     """
@@ -145,16 +138,7 @@ class PtyBench:
 
 @dataclass(frozen=True)
 class PortBench:
-    """A real rig on a serial port; the person starts the machine's program.
-
-    Attributes
-    ----------
-    port : str
-    baud : int
-    limits : Limits
-    specimen : str
-    give_up_s : float
-    """
+    """A real rig on a serial port; the person starts the machine's program."""
 
     port: str
     baud: int = BAUD

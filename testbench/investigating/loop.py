@@ -89,11 +89,7 @@ def begin(
 
 
 def proceed(
-    folder: Path,
-    bench: Bench,
-    catalogue: Catalogue,
-    start: KnitModel | None = None,
-    watcher: Watcher | None = None,
+    folder: Path, bench: Bench, catalogue: Catalogue, start: KnitModel | None = None, watcher: Watcher | None = None
 ) -> Investigation:
     """Go on from wherever the investigation in `folder` is, to its end.
 

@@ -55,7 +55,6 @@ class Settings(StrictModel):
         Effects that a diagnosis puts in at most.
     max_force_N : float or None
         More force than that no likely hypothesis may expect, and no recording may go on with.
-    gauge_length_mm : float
     effects_sha256 : str or None
         Of the file with effects of the user's own.
     own_effects : list of str or None

@@ -257,7 +257,9 @@ def _effects_in_file(path: Path) -> dict[str, type[Effect]]:
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # sys.exit would end the command as if all were well
-        raise UserError(f"{path}: cannot be loaded: {type(error).__name__}: {error}") from error
+        raise UserError(
+            f"{path}: cannot be loaded: {type(error).__name__}: {str(error).partition(chr(10))[0]}"
+        ) from error
     found: dict[str, type[Effect]] = {}
     for value in vars(module).values():
         if not (isinstance(value, type) and issubclass(value, Effect) and value.__module__ == spec.name):
@@ -266,7 +268,7 @@ def _effects_in_file(path: Path) -> dict[str, type[Effect]]:
             raise UserError(f"{path}: two effects are called {value.name}; give each a name of its own")
     _check_classes(path)
     if not found:
-        raise UserError(f"{path}: no Effect class in it; `testbench effects --new NAME` writes a template")
+        raise UserError(f"{path}: no Effect class with a name; `testbench effects --new NAME` writes a template")
     return found
 
 

@@ -30,12 +30,13 @@ from collections.abc import Mapping
 from enum import IntEnum
 from typing import Any, ClassVar, NoReturn
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-from gcode.support.kinds import only_by_name
+from gcode.support.kinds import is_number, only_by_name
 
 Signals = Mapping[str, FloatArray]
 
@@ -96,6 +97,11 @@ def parameter(
     >>> Stiffer().share
     0.1
     """
+    if scale not in ("linear", "log") or not (0.0 if scale == "log" else -np.inf) < low < high < np.inf:
+        raise UserError(
+            f'parameter ({doc}): must have a scale of "linear" or "log", and finite bounds, low < high, above 0 with '
+            f'"log"; got scale={scale!r}, low={low!r}, high={high!r}'
+        )
     extra = {"unit": unit, "low": low, "high": high, "scale": scale, "typical": typical}
     if isinstance(default, tuple):
         return Field(default=default, description=doc, json_schema_extra=extra)  # type: ignore[arg-type]
@@ -146,7 +152,7 @@ class Effect(BaseModel):
         A model has one law of this mechanism, and another takes its place; so it is with laws that have no strength.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True)
 
     name: ClassVar[str] = ""
     stage: ClassVar[Stage]
@@ -165,10 +171,20 @@ class Effect(BaseModel):
     in_base: ClassVar[bool] = False
     also_from: ClassVar[tuple[Mapping[str, float], ...]] = ()
     exclusive: ClassVar[bool] = False
+    undeclared: ClassVar[tuple[str, ...]] = ()  # what a class has to say of itself, and does not
 
-    def __init_subclass__(cls, **kwargs: Any) -> None:
-        super().__init_subclass__(**kwargs)
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        super().__pydantic_init_subclass__(**kwargs)
         cls.mechanism = cls.mechanism or cls.name
+        lists = ("reads", "writes", "optional_reads", "jumps", "pointwise", "per_recording", "also_from")
+        kinds = {"stage": Stage, **dict.fromkeys(lists, tuple), **dict.fromkeys(("strength", "look"), str)}
+        said = [name for name, kind in kinds.items() if not isinstance(getattr(cls, name, None), kind)]
+        fields = cls.model_fields.items()
+        said += [
+            key for key, field in fields if hasattr(Effect, key) or not isinstance(field.json_schema_extra, dict)
+        ]
+        cls.undeclared = tuple(said)
 
     def __init__(self, *unnamed: Any, **parameters: Any) -> None:
         """Raise `UserError` where a parameter is unknown or unnamed, or a value is no number or out of its bounds.
@@ -176,12 +192,11 @@ class Effect(BaseModel):
         So, too, where the class does not declare where it acts, or on what.
         """
         only_by_name(type(self), "parameters", unnamed)
-        declared = {"stage": Stage, "reads": tuple, "writes": tuple}
-        wrong = [name for name, kind in declared.items() if not isinstance(getattr(type(self), name, None), kind)]
-        if wrong:
+        if self.undeclared:
             raise UserError(
-                f"{type(self).__name__}: the class must declare its stage (a testbench.Stage) and what it reads and "
-                f"writes (tuples of names of signals); amiss: {', '.join(wrong)}"
+                f"{type(self).__name__}: the class must declare its stage (a testbench.Stage), what it reads and "
+                "writes and whatever else has several names (tuples), and its parameters (each by "
+                f"testbench.parameter, under a name that Effect does not use); amiss: {', '.join(self.undeclared)}"
             )
         try:
             super().__init__(**parameters)
@@ -263,8 +278,10 @@ class Effect(BaseModel):
         return self.replaced(**{key: self._into_bounds(key, value) for key, value in changes.items()})
 
     def _into_bounds(self, key: str, value: Any) -> Any:
-        if isinstance(value, tuple):
+        if isinstance(value, tuple | list):
             return tuple(self._into_bounds(key, entry) for entry in value)
+        if key not in type(self).model_fields or not is_number(value):
+            return value  # which `replaced` refuses
         extra = bounds_of(type(self).model_fields[key])
         return min(max(float(value), extra["low"]), extra["high"])
 

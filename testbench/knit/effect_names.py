@@ -37,13 +37,15 @@ def check_name(name: str, source: str, taken: Collection[str]) -> None:
 
 
 def check_free(name: str, source: str, taken: Collection[str]) -> None:
-    """Refuse the name of another effect, or of what a diagnosis weighs beside effects.
+    """Refuse what is no word, the name of another effect, or of what a diagnosis weighs beside effects.
 
     Raises
     ------
     UserError
         With `source` in front.
     """
+    if not (isinstance(name, str) and name.isidentifier()):
+        raise UserError(f"{source}: an effect's name is one word of letters, digits and _; got {name!r}")
     if name in HYPOTHESES:
         raise UserError(f"{source}: a diagnosis has a hypothesis called {name}; give the effect another name")
     if name in taken:

@@ -6,6 +6,8 @@ straight lines follow the signal. All filters have rested at the first sample fo
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from testbench.knit import spectra
@@ -54,8 +56,14 @@ def lowpass(x: FloatArray, tau_s: float, dt_s: float, start: float | None = None
     """
     from testbench.knit.lags import first_order
 
-    a, b0, b1 = (float(c[0]) for c in hold_coefficients(np.array([tau_s]), dt_s))
-    return first_order(np.ascontiguousarray(x), a, b0, b1, float(x[0]) if start is None else start)
+    return first_order(np.ascontiguousarray(x), *_of_one(tau_s, dt_s), float(x[0]) if start is None else start)
+
+
+@lru_cache(maxsize=1000)
+def _of_one(tau_s: float, dt_s: float) -> tuple[float, float, float]:
+    """`hold_coefficients` of one time, which many signals are filtered with."""
+    a, b0, b1 = hold_coefficients(np.array([tau_s]), dt_s)
+    return float(a[0]), float(b0[0]), float(b1[0])
 
 
 def highpass(x: FloatArray, tau_s: float, dt_s: float) -> FloatArray:

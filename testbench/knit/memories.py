@@ -155,8 +155,7 @@ def upper_turn(x: FloatArray, back: float) -> FloatArray:
 
 def swung(x: FloatArray, back: float) -> FloatArray:
     """Summed size of the swings of `x` that are over: a swing is, once `x` has come back by `back`."""
-    turned = x[last_turn(x, back)]
-    return np.cumsum(np.abs(np.diff(turned, prepend=x[0])))
+    return np.cumsum(np.abs(np.diff(x[last_turn(x, back)], prepend=x[0])))
 
 
 def turning(x: FloatArray, back: float, dt_s: float) -> FloatArray:

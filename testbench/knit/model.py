@@ -57,6 +57,8 @@ class KnitModel(Unchanging):
                     f"KnitModel: {name!r} must name an effect, as testbench.effects.StressRelaxation(fraction=0.2), "
                     f"got {type(effect).__name__}"
                 )
+            if not name.isprintable() or "." in name or not name:
+                raise UserError(f"KnitModel: an effect's name must be printable, without a point; got {name!r}")
         # What is in it is frozen itself, and a fit makes many models.
         object.__setattr__(self, "effects", ReadOnly(self.effects))
 
@@ -80,7 +82,7 @@ class KnitModel(Unchanging):
     def __getitem__(self, name: str) -> Effect:
         try:
             return self.effects[name]
-        except KeyError:
+        except (KeyError, TypeError):  # the second: of what no dict can hold, such as a list of names
             raise UserError(f"the model has no effect {name}; it has {', '.join(self.effects)}") from None
 
     def plus(self, effect: Effect, name: str | None = None) -> KnitModel:
@@ -293,14 +295,20 @@ def apply_checked(name: str, effect: Effect, state: Mapping[str, FloatArray], dt
         raise
     except BaseException as error:  # sys.exit would end the command as if all were well
         raise UserError(f"effect {name} raised {type(error).__name__}: {error}{remedy}") from error
-    if not isinstance(written, Mapping) or set(written) != set(effect.writes):
-        came = ", ".join(written) if isinstance(written, Mapping) else type(written).__name__
+    if came := strangely_written(effect, written):
         raise UserError(f"effect {name} must return {', '.join(effect.writes)}, got {came}{remedy}")
     for signal, values in written.items():
         problem = _unusable(values, len(state["time_s"]))
         if problem:
             raise UserError(f"effect {name} returned {signal} {problem} (its parameters: {effect}){remedy}")
     return written
+
+
+def strangely_written(effect: Effect, written: object) -> str:
+    """What came in the place of the signals that an effect writes; empty where it is those."""
+    if not isinstance(written, Mapping):
+        return type(written).__name__
+    return "" if set(written) == set(effect.writes) else ", ".join(map(str, written)) or "nothing"
 
 
 def _ours(effect: Effect) -> bool:

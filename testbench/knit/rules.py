@@ -5,15 +5,18 @@ Each rule takes an effect with its parameters and returns "" or what is wrong, i
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
+from gcode.support.errors import UserError, first_problem
 from testbench.knit.additive import AdditiveLaw
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of
 from testbench.knit.filters import LARGEST_LOG_CHANGE
+from testbench.knit.model import strangely_written
 
 WRITABLE = {
     Stage.KINEMATICS: {"strain"},
@@ -29,6 +32,7 @@ READABLE = {
     stage: {"time_s", "strain_nominal"}.union(*(names for before, names in WRITABLE.items() if before <= stage))
     for stage in Stage
 }
+NOT_ALWAYS_THERE = {"temperature_C", "clamping"}
 CHECKED_S = 60.0
 Rule = Callable[[Effect], str]
 
@@ -40,6 +44,8 @@ class OnlyDeclared(Mapping[str, FloatArray]):
         self._allowed = {k: v for k, v in signals.items() if k in effect.reads + effect.optional_reads}
 
     def __getitem__(self, key: str) -> FloatArray:
+        if key not in self._allowed:
+            raise KeyError(f"{key} is not among what it reads")
         return self._allowed[key]
 
     def __iter__(self) -> Iterator[str]:
@@ -66,20 +72,23 @@ def example_signals(dt_s: float) -> dict[str, FloatArray]:
 
 
 def applied(effect: Effect, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-    """What the effect makes of the signals, given only those that it declares."""
-    return effect.apply(OnlyDeclared(signals, effect), dt_s)
+    """What the effect makes of the signals, given only those that it declares; `UserError` where it is others."""
+    out = effect.apply(OnlyDeclared(signals, effect), dt_s)
+    if came := strangely_written(effect, out):
+        raise UserError(f"returns {came}, but declares {', '.join(effect.writes)}")
+    return out
 
 
 def declares_itself(effect: Effect) -> str:
-    """Name, look, docstring with source and validity; units and bounds of every parameter; a fitting stage."""
+    """Look, docstring with source and validity; units and bounds of every parameter; a fitting stage."""
     cls = type(effect)
     doc = cls.__doc__ or ""
     missing = [word for word in ("Source:", "Valid:") if word not in doc]
-    if missing or not cls.look or not cls.name.isidentifier():
-        return f"needs a name, a `look` and a docstring with {' and '.join(missing) or 'Source: and Valid:'}"
+    if missing or not cls.look:
+        return f"needs a `look` and a docstring with {' and '.join(missing) or 'Source: and Valid:'}"
     if not set(cls.writes) <= WRITABLE[cls.stage]:
         return f"writes {', '.join(cls.writes)}, but stage {cls.stage.name} may write {sorted(WRITABLE[cls.stage])}"
-    unknown = set(cls.reads) - READABLE[cls.stage]
+    unknown = (set(cls.reads) | set(cls.optional_reads) - NOT_ALWAYS_THERE) - READABLE[cls.stage]
     if unknown:
         return f"reads {', '.join(sorted(unknown))}, which does not exist in stage {cls.stage.name}"
     return _check_parameters(cls)
@@ -87,14 +96,13 @@ def declares_itself(effect: Effect) -> str:
 
 def _check_parameters(cls: type[Effect]) -> str:
     for key, field in cls.model_fields.items():
-        extra = bounds_of(field)
-        if not (extra["unit"] and field.description):
+        if not (bounds_of(field)["unit"] and field.description):
             return f"parameter {key} needs a unit and a doc"
-        if extra["scale"] == "log" and extra["low"] <= 0:
-            return f"parameter {key} has a log scale, so its lower bound must be above 0"
+    named = {"jumps": cls.jumps, "per_recording": cls.per_recording, "also_from": itertools.chain(*cls.also_from)}
+    for what, keys in (named | {"strength": [cls.strength] if cls.strength else []}).items():
+        if strange := sorted(set(keys) - set(cls.model_fields)):
+            return f"{what} names {strange[0]}, which is not a parameter"
     if cls.strength:
-        if cls.strength not in cls.model_fields:
-            return f"strength names {cls.strength}, which is not a parameter"
         extra = bounds_of(cls.model_fields[cls.strength])
         if not extra["low"] <= 0 <= extra["high"]:
             return f"the bounds of the strength {cls.strength} must include 0, which means: no effect"
@@ -116,12 +124,11 @@ def leaves_inputs_alone(effect: Effect) -> str:
 def returns_what_it_declares(effect: Effect) -> str:
     """Exactly the signals in `writes`, as float64 arrays of the same length."""
     signals = example_signals(0.05)
-    out = applied(effect, signals, 0.05)
-    if set(out) != set(effect.writes):
-        return f"returns {sorted(out)}, but declares {sorted(effect.writes)}"
-    for key, value in out.items():
-        if value.shape != signals["time_s"].shape or value.dtype != np.float64:
-            return f"{key} has shape {value.shape} and type {value.dtype}; needed: float64, {signals['time_s'].shape}"
+    needed = signals["time_s"].shape
+    for key, value in applied(effect, signals, 0.05).items():
+        kind = getattr(value, "dtype", type(value).__name__)
+        if kind != np.float64 or np.shape(value) != needed:
+            return f"{key} has shape {np.shape(value)} and type {kind}; needed: an array of float64, {needed}"
     return ""
 
 
@@ -164,14 +171,14 @@ def _extreme(signals: Signals) -> dict[str, FloatArray]:
 
 
 def has_vector_strength(effect: Effect) -> bool:
-    """Whether the strength is a set of weights; their zero is the effect's default."""
+    """Whether the strength is a set of weights."""
     return bool(effect.strength) and isinstance(getattr(effect, effect.strength), tuple)
 
 
 def absent(effect: Effect) -> Effect:
-    """The effect at zero strength."""
+    """The effect at zero strength; where that is a set of weights, any others are as by themselves."""
     if has_vector_strength(effect):
-        return type(effect)()
+        return type(effect)(**{effect.strength: (0.0,) * len(getattr(effect, effect.strength))})
     return effect.replaced(**{effect.strength: 0.0})
 
 
@@ -283,7 +290,7 @@ def adds_its_terms(effect: Effect) -> str:
         terms = effect.terms(key, signals) if isinstance(default, tuple) else None
         if terms is None:
             continue
-        one = type(effect).model_validate({**dict(effect), key: tuple(np.linspace(-0.1, 0.2, len(default)))})
+        one = effect.replaced(**{key: tuple(np.linspace(-0.1, 0.2, len(default)))})
         none = one.replaced(**{key: (0.0,) * len(default)})
         (written,) = effect.writes
         there, here = (law.apply(signals, 0.05)[written] for law in (one, none))
@@ -310,7 +317,7 @@ def starts_a_fit(effect: Effect) -> str:
 
 def survives_json(effect: Effect) -> str:
     """Parameters written as JSON and read again give the same effect."""
-    again = type(effect).model_validate(json.loads(json.dumps(effect.model_dump(mode="json"), allow_nan=False)))
+    again = type(effect)(**json.loads(json.dumps(effect.model_dump(mode="json"), allow_nan=False)))
     return "" if again == effect else "is not the same after a round trip through JSON"
 
 
@@ -335,19 +342,22 @@ RULES: tuple[Rule, ...] = (
 def check(effect: Effect) -> list[str]:
     """Broken rules of one effect, as sentences; empty when all is well.
 
-    An effect that raises breaks the rule that was tried; the message says which.
+    What it raises while a rule is tried is told with that rule, and once: the other rules would meet it again.
     """
     problems = []
     for rule in RULES:
         try:
-            problem = rule(effect)
+            problems.append(rule(effect))
         except KeyboardInterrupt:
             raise
+        except UserError as error:
+            problems.append(str(error))
+            break
         except BaseException as error:  # whatever a user's code raises is the finding
-            problem = f"raises {type(error).__name__}: {error} ({rule.__name__.replace('_', ' ')})"
-        if problem:
-            problems.append(problem)
-    return problems
+            tried = rule.__name__.replace("_", " ")
+            problems.append(f"raises {type(error).__name__}: {first_problem(error)} ({tried})")
+            break
+    return [problem for problem in problems if problem]
 
 
 def checked(catalogue: Catalogue, name: str | None = None) -> Iterator[tuple[str, list[str]]]:

@@ -108,7 +108,7 @@ def _midway(effect: Effect, signals: Signals) -> Effect:
 
 
 def draw(cls: type[Effect], path: Path) -> None:
-    """Write the picture as PNG: over time, and over strain."""
+    """Write the picture, over time and over strain, in the format that the suffix of `path` says."""
     from matplotlib.figure import Figure
 
     case = showcase(cls)
@@ -129,4 +129,4 @@ def draw(cls: type[Effect], path: Path) -> None:
         *over_time.get_legend_handles_labels(), loc="outside upper center", ncols=2, fontsize=8, frameon=False
     )
     with atomic_path(path) as temporary:
-        figure.savefig(temporary, format="png")
+        figure.savefig(temporary, format=path.suffix.lower().lstrip("."))

@@ -43,7 +43,6 @@ class ProjectedBase:
         Fitted; it may still hold an earlier guess at the law.
     base : KnitModel
         The same without that guess. It is not fitted anew: the base would bend to take the law in again.
-    projector : Projector
     """
 
     hypothesis: Hypothesis

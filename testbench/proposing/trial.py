@@ -42,7 +42,6 @@ class Trial:
         With its numbers as refitted.
     name : str
         In the model.
-    hypothesis : Hypothesis
     log_z : float
         Log evidence, the price of its pieces taken off.
     """

@@ -15,9 +15,10 @@ from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
 from gcode.support.strict import ExtraIgnored, load, read_text
 from testbench.recordings.stored import Finite, Label, Remark
-from testbench.results.model_file import Step
+from testbench.results.model_file import Step, about_model
 from testbench.results.result_files import read_diagnosis
 from testbench.studio import models
+from testbench.studio.freshness import made_of
 from testbench.studio.studio import Studio
 
 FOLDER = "proposal"  # below the results of a campaign
@@ -116,12 +117,13 @@ def kept_proposal(studio: Studio, c: str) -> Kept | None:
 
 def _is_fresh(studio: Studio, c: str, found: Proposal) -> bool:
     """Whether a proposal was made of the model as it is now, and its laws are not in yet."""
-    steps = models.history_of(studio, c)
+    mine = about_model(models.model_path(studio, c))
+    steps = mine.get("history") or ()
     if not steps or len(found.history) < len(steps):
         return False
     begun = found.history[len(steps) - 1].model_dump(mode="json", exclude_unset=True)
-    taken = models.laws_in(studio, c) & {law.effect for law in found.laws}
-    return not taken and models.is_last(studio, c, begun)
+    taken = {one["effect"] for one in steps[-1]["model"]["effects"]} & {law.effect for law in found.laws}
+    return not taken and made_of(begun, steps[-1], undone=not mine.get("fit"))
 
 
 def free_law_name(studio: Studio, c: str) -> str:

@@ -106,9 +106,7 @@ def _draw_elasticity(family: str, rng: np.random.Generator) -> Law:
         return Law(family, p | {"power": rng.uniform(7, 14), "linear": rng.uniform(0, 4)}, _ogden)
     knee = rng.uniform(0.1, 0.2)
     return Law(
-        "bilinear",
-        p | {"knee": knee, "ratio": rng.uniform(2, 4), "round": rng.uniform(0.01, 0.03)},
-        _bilinear,
+        "bilinear", p | {"knee": knee, "ratio": rng.uniform(2, 4), "round": rng.uniform(0.01, 0.03)}, _bilinear
     )
 
 
@@ -217,15 +215,7 @@ def _draw_drift(family: str, rng: np.random.Generator) -> Law:
 ELASTICITIES = ("polynomial", "ogden", "bilinear")
 DRIFTS = ("exponential", "power", "square_root")
 MATCHED = {"elasticity": "fung", "hysteresis": "slip_elements", "contact": "holm", "drift": "logarithmic"}
-WORLDS = (
-    "matched",
-    "mismatched",
-    "other_elasticity",
-    "bouc_wen",
-    "other_contact",
-    "other_drift",
-    "carbon_black",
-)
+WORLDS = ("matched", "mismatched", "other_elasticity", "bouc_wen", "other_contact", "other_drift", "carbon_black")
 
 
 def families(world: str, rng: np.random.Generator) -> dict[str, str]:

@@ -21,7 +21,6 @@ class Usual:
     ----------
     force, ln_g : tuple of float
         Least and largest force [N] and ln of conductance [S].
-    mean_ln_g : float
     """
 
     force: tuple[float, float] = (0.0, 1.0)
@@ -73,7 +72,8 @@ class Scene:
         return np.concatenate([[0.0], np.cumsum(np.abs(np.diff(self.e)))])
 
 
-Change = Callable[[Scene, float, Mapping[str, float]], None]
+Shape = Mapping[str, float]  # parameters of a form but its magnitude
+Change = Callable[[Scene, float, Shape], None]
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ class Hidden:
     """A form with its shape and its magnitude."""
 
     form: Form
-    shape: Mapping[str, float]
+    shape: Shape
     magnitude: float
 
 

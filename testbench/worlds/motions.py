@@ -84,8 +84,7 @@ def _mix(t: FloatArray, rng: np.random.Generator) -> FloatArray:
     pieces = [
         maker(part - part[0], rng) for maker, part in zip((_perlin, _holds, _return_to_zero), parts, strict=True)
     ]
-    joined = np.concatenate(pieces)
-    return _limit_speed(t, joined, 0.2)
+    return _limit_speed(t, np.concatenate(pieces), 0.2)
 
 
 def _limit_speed(t: FloatArray, strain: FloatArray, most: float) -> FloatArray:

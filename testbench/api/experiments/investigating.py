@@ -18,7 +18,7 @@ from testbench.api.experiments.designing import bounds_said
 from testbench.api.experiments.investigation import InvestigationResult
 from testbench.api.progress import Tell, telling
 from testbench.campaigns.plan import EFFECTS
-from testbench.design.protocols import Bounds
+from testbench.design.protocols import LONGEST_EXPERIMENT_S, SHORTEST_EXPERIMENT_S, Bounds
 from testbench.investigating import loop
 from testbench.investigating.benches import Bench, PortBench, PtyBench, SimulatedBench
 from testbench.investigating.state import (
@@ -192,6 +192,9 @@ def _check_as_begun(folder: Path, sensor: AnyModel | None, model: AnyModel | Non
 def _bounds_of_a_run(bounds: Bounds | Mapping[str, float] | None, run_minutes: float) -> dict[str, float]:
     """What was said of the bounds, and the duration, which is said by `run_minutes` alone."""
     said, run_s = bounds_said(bounds), 60 * number("run_minutes", run_minutes)
+    if not SHORTEST_EXPERIMENT_S <= run_s <= LONGEST_EXPERIMENT_S:
+        least, most = SHORTEST_EXPERIMENT_S / 60, LONGEST_EXPERIMENT_S / 60
+        raise UserError(f"run_minutes: a run takes {least:g} to {most:g} minutes, got {run_minutes:g}")
     if said.get("duration_s", run_s) != run_s:
         raise UserError(
             f"bounds: a run takes {run_s:g} s (run_minutes), got a duration_s of {said['duration_s']!r}; say it by "

@@ -92,11 +92,7 @@ class ContactRelaxationProny(ContactRelaxationLaw):
     look = "in a hold the conductance changes over whatever times while the force does not"
 
     fractions: tuple[float, ...] = parameter(
-        (0.0,) * len(SPOTS_S),
-        unit="1",
-        low=-3,
-        high=1,
-        doc="share of the contact force that is lost at each time",
+        (0.0,) * len(SPOTS_S), unit="1", low=-3, high=1, doc="share of the contact force that is lost at each time"
     )
 
     def gained_N(self, pressing_N: FloatArray, dt_s: float) -> FloatArray:
@@ -236,5 +232,4 @@ class ElectricalOvershootForce(SpotsLaw):
     tau_s: float = parameter(15.0, unit="s", low=5, high=300, scale="log", doc="time in which it settles")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        sudden = highpass(signals["contact_force_N"], self.tau_s, dt_s)
-        return self.gain_per_N * sudden
+        return self.gain_per_N * highpass(signals["contact_force_N"], self.tau_s, dt_s)

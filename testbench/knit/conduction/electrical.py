@@ -125,8 +125,7 @@ class CoatingWearThrough(WearLaw):
     )
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        left = np.maximum(1 - self.loss * cycled_strain(signals) / 100, 0.01)
-        return np.log(left)
+        return np.log(np.maximum(1 - self.loss * cycled_strain(signals) / 100, 0.01))
 
 
 class CoatingWearRunningIn(WearLaw):
@@ -145,8 +144,7 @@ class CoatingWearRunningIn(WearLaw):
     running_in: float = parameter(5.0, unit="1", low=0.1, high=1000, scale="log", doc="strain path of the running-in")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        worn = np.log1p(cycled_strain(signals) / self.running_in)
-        return -self.loss * worn
+        return -self.loss * np.log1p(cycled_strain(signals) / self.running_in)
 
 
 class CoatingWearLoad(WearLaw):
@@ -272,5 +270,4 @@ class ElectricalHysteresis(ConductanceLaw):
     )
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        slip = mean_slip(signals["strain"], self.threshold)
-        return self.gain * slip
+        return self.gain * mean_slip(signals["strain"], self.threshold)

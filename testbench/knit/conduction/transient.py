@@ -38,8 +38,7 @@ class ElectricalOvershoot(OvershootLaw):
     tau_s: float = parameter(3.0, unit="s", low=0.1, high=30, scale="log", doc="time in which it settles")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        sudden = highpass(signals["strain"], self.tau_s, dt_s)
-        return self.gain * sudden
+        return self.gain * highpass(signals["strain"], self.tau_s, dt_s)
 
 
 class ElectricalOvershootConductance(OvershootLaw):
@@ -60,8 +59,7 @@ class ElectricalOvershootConductance(OvershootLaw):
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         conductance = signals["conductance_S"]
-        sudden = highpass(log_conductance(conductance), self.tau_s, dt_s)
-        return self.gain * sudden
+        return self.gain * highpass(log_conductance(conductance), self.tau_s, dt_s)
 
 
 class ElectricalOvershootProny(OvershootLaw):
@@ -135,8 +133,7 @@ class ShoulderPeak(ShoulderLaw):
     tau_s: float = parameter(10.0, unit="s", low=0.1, high=1000, scale="log", doc="how slowly the matrix follows")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        lag = np.maximum(-highpass(signals["strain"], self.tau_s, dt_s), 0.0)
-        return self.gain * lag
+        return self.gain * np.maximum(-highpass(signals["strain"], self.tau_s, dt_s), 0.0)
 
 
 class ShoulderBumps(ShoulderLaw):
@@ -279,8 +276,7 @@ class RateResistanceMagnitude(OvershootLaw):
     rate0_per_s: float = parameter(0.01, unit="1/s", low=1e-5, high=1, scale="log", doc="rate where it sets in")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        decades = np.log1p(np.abs(rate(signals["strain"], dt_s)) / self.rate0_per_s)
-        return self.gain * decades
+        return self.gain * np.log1p(np.abs(rate(signals["strain"], dt_s)) / self.rate0_per_s)
 
 
 class RateResistanceTwoWays(RateResistanceMagnitude):

@@ -41,8 +41,7 @@ class ElectricalOvershootReversal(OvershootLaw):
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         direction = lowpass(np.tanh(moving(signals["strain"], dt_s) / self.rate0_per_s), self.rise_s, dt_s)
-        turned = highpass(direction, self.tau_s, dt_s)
-        return 0.5 * self.gain * turned
+        return 0.5 * self.gain * highpass(direction, self.tau_s, dt_s)
 
 
 class ElectricalOvershootTurn(OvershootLaw):
@@ -72,8 +71,7 @@ class ElectricalOvershootTurn(OvershootLaw):
 
         heading = mean_stop(np.ascontiguousarray(signals["strain"]), np.array([self.back]))
         direction = lowpass(heading, self.rise_s, dt_s)
-        turned = highpass(direction, self.tau_s, dt_s)
-        return 0.5 * self.gain * turned
+        return 0.5 * self.gain * highpass(direction, self.tau_s, dt_s)
 
 
 def since_turn_s(

@@ -189,8 +189,7 @@ class PermanentSetCreep(PermanentSetLaw):
 
     def added(self, signals: Signals, dt_s: float) -> FloatArray:
         share = np.maximum(signals["strain"], 0.0) / self.span
-        stretched_s = overload_s(share**self.power, 0.0, dt_s)
-        return self.amount * np.log1p(stretched_s / self.scale_s)
+        return self.amount * np.log1p(overload_s(share**self.power, 0.0, dt_s) / self.scale_s)
 
     def points(self, top: float) -> list[dict[str, Any]]:
         return [{"scale_s": scale_s, "power": power} for scale_s in (3.0, 20.0, 150.0) for power in (1.0, 2.5)]

@@ -50,7 +50,7 @@ def preset(name: str) -> KnitModel:
     kind, at, number = name.partition("@")
     if kind not in names():
         raise UserError(f"no sensor preset called {kind}; there are {', '.join(names())}")
-    if at and not number.isdecimal():
+    if at and not (number.isdecimal() and len(number) < 20):
         raise UserError(f"a specimen is a preset, @ and a whole number, such as {kind}@3; got {name}")
     data = json.loads(resources.files(__name__).joinpath(f"{kind}.json").read_text(encoding="utf-8"))
     return specimen(model_from_dict(data, load_catalogue(), source=f"preset {kind}"), int(number or 0))

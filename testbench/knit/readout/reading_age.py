@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from testbench.knit.effect import FloatArray, parameter
-from testbench.knit.readout.linear_reading import LinearReading
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.filters import log_conductance, shifted
 
 
-class ReadingAge(LinearReading):
-    """Base of the two: a reading is that of a few milliseconds ago."""
+class ReadingAge(Effect):
+    """Base of the two: a reading, in N or ln S, is that of a few milliseconds ago, and linear in what is read."""
 
     in_base = True
+    stage = Stage.READOUT
 
     age_s: float = parameter(0.0, unit="s", low=-0.015, high=0.015, typical=0.01, doc="mean age of the reading")
 
     def read(self, values: FloatArray, time_s: FloatArray) -> FloatArray:
-        """The values a little earlier: less their slope, from the neighbours of each sample, times the age."""
+        """`values`, shape (..., n), a little earlier: less their slope, from both neighbours, times the age."""
         if values.shape[-1] < 3:
             return values.copy()
         earlier = np.empty_like(values)
@@ -25,6 +26,13 @@ class ReadingAge(LinearReading):
         earlier[..., 0], earlier[..., -1] = earlier[..., 1], earlier[..., -2]
         earlier += values
         return earlier
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        (signal,), time_s = self.writes, signals["time_s"]
+        if signal == "conductance_S":
+            log_g = log_conductance(signals[signal])
+            return {signal: shifted(signals[signal], self.read(log_g, time_s) - log_g)}
+        return {signal: self.read(signals[signal], time_s)}
 
 
 class ForceAge(ReadingAge):

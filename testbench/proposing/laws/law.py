@@ -109,10 +109,7 @@ class Term:
         """The Python code of z: one line for the coordinate, one for each operator."""
         pieces = [self.coordinate.code, *(one.code for one in self.operators)]
         sizes = (1.0, *self.sizes, *(1.0 for _ in pieces))
-        return tuple(
-            piece.replace("{span}", f"{self.span:g}").replace("{size}", f"{size:g}")
-            for piece, size in zip(pieces, sizes, strict=False)
-        )
+        return tuple(_written(piece, self.span, size) for piece, size in zip(pieces, sizes, strict=False))
 
     @property
     def latex(self) -> str:
@@ -149,20 +146,32 @@ class Term:
     def within(self, names: Mapping[str, Any], values: Mapping[str, float]) -> FloatArray:
         """The same, from names that were made once for many terms."""
         space = {**names, "self": SimpleNamespace(**values)}
-        for line in self.lines:
-            space["x"] = eval(compiled(line), space)
-        return space["x"]
+        made: dict[str, FloatArray] = names["made"]  # coordinates without parameters: the same for many laws
+        first = self.lines[0]
+        x: Any = made.get(first)
+        for line in self.lines if x is None else self.lines[1:]:
+            space["x"] = x
+            x = eval(compiled(line), space)
+            if line is first and not self.coordinate.slots:
+                made[first] = x
+        return x
 
 
 def namespace(signals: Signals, dt_s: float) -> dict[str, Any]:
     """The names that the code of a law may use: operators, and the signals of the chain under their short names."""
-    space: dict[str, Any] = {**TOOLS, "dt_s": dt_s}
+    space: dict[str, Any] = {**TOOLS, "dt_s": dt_s, "made": {}}
     for signal, (name, _) in NAMES.items():
         if signal in signals:
             values = signals[signal]
             values = filters.log_conductance(values) if signal == "conductance_S" else values
             space[name] = values - values[0] if signal in SINCE_START else values
     return space
+
+
+@lru_cache(maxsize=1000)
+def _written(code: str, span: float, size: float) -> str:
+    """The code of a piece with its numbers in it."""
+    return code.replace("{span}", f"{span:g}").replace("{size}", f"{size:g}")
 
 
 @lru_cache(maxsize=1000)

@@ -2,113 +2,109 @@
 
 from __future__ import annotations
 
-from testbench.proposing.laws.law_parts import DIRECTION, FORCE, LN_G, PRESSING, STRAIN, TIME, WARM, Coordinate, Slot
+from testbench.proposing.laws.law_parts import (
+    DIRECTION,
+    FORCE,
+    LN_G,
+    PRESSING,
+    STRAIN,
+    TIME,
+    WARM,
+    Coordinate,
+    Slot,
+    named,
+)
 from testbench.proposing.laws.units import KELVIN, NEWTON, ONE, PER_SECOND, SECOND
 
-COORDINATES = {
-    c.name: c
-    for c in (
-        Coordinate("strain", "e", "e", "the strain", ONE, STRAIN),
-        Coordinate("strain rate", "rate(e, dt_s)", r"\dot e", "the strain rate", PER_SECOND, STRAIN),
-        Coordinate(
-            "speed", "np.abs(rate(e, dt_s))", r"|\dot e|", "the speed of the strain", PER_SECOND, STRAIN, signed=False
+COORDINATES = named(
+    Coordinate("strain", "e", "e", "the strain", ONE, STRAIN),
+    Coordinate("strain rate", "rate(e, dt_s)", r"\dot e", "the strain rate", PER_SECOND, STRAIN),
+    Coordinate(
+        "speed", "np.abs(rate(e, dt_s))", r"|\dot e|", "the speed of the strain", PER_SECOND, STRAIN, signed=False
+    ),
+    Coordinate("direction", "heading(e, {span})", "d", "the direction of motion", ONE, STRAIN, definitions=DIRECTION),
+    Coordinate("force", "F", "F", "the force", NEWTON, FORCE),
+    Coordinate("force rate", "rate(F, dt_s)", r"\dot F", "the rate of the force", NEWTON / SECOND, FORCE),
+    Coordinate("contact force", "P", "P", "the force on the contacts", NEWTON, PRESSING),
+    Coordinate("conductance", "ln_g", r"\ln\frac{G}{G_0}", "the change of ln G since the start", ONE, LN_G),
+    Coordinate("conductance rate", "rate(ln_g, dt_s)", r"\tfrac{d}{dt}\ln G", "the rate of ln G", PER_SECOND, LN_G),
+    Coordinate(
+        "heating power",
+        "np.expm1(np.clip(ln_g, -30.0, 30.0))",
+        r"\tfrac{G}{G_0} - 1",
+        "the electrical power in the sensor",
+        ONE,
+        LN_G,
+    ),
+    Coordinate("largest strain", "largest(e)", r"e_{\max}", "the largest strain so far", ONE, STRAIN, signed=False),
+    Coordinate(
+        "below the largest strain",
+        "largest(e) - e",
+        r"(e_{\max} - e)",
+        "how far the strain is below its largest so far",
+        ONE,
+        STRAIN,
+        signed=False,
+    ),
+    Coordinate(
+        "past the last top",
+        "e - last_top(e, 0.02 * {span})",
+        r"(e - e_{\text{top}})",
+        "how far the strain is from where it last turned down",
+        ONE,
+        STRAIN,
+    ),
+    Coordinate(
+        "from a share of the last top",
+        "e - self.share * last_top(e, self.swing)",
+        r"(e - s_t\,e_{\text{top}})",
+        "how far the strain is from a share of where it last turned down",
+        ONE,
+        STRAIN,
+        (
+            Slot("share", "s_t", "share of the last top", "number", 0.5, 1.5),
+            Slot("swing", "w", "how far the strain must come back to have turned", "swing"),
         ),
-        Coordinate(
-            "direction",
-            "heading(e, {span})",
-            "d",
-            "the direction of motion",
-            ONE,
-            STRAIN,
-            definitions=DIRECTION,
-        ),
-        Coordinate("force", "F", "F", "the force", NEWTON, FORCE),
-        Coordinate("force rate", "rate(F, dt_s)", r"\dot F", "the rate of the force", NEWTON / SECOND, FORCE),
-        Coordinate("contact force", "P", "P", "the force on the contacts", NEWTON, PRESSING),
-        Coordinate("conductance", "ln_g", r"\ln\frac{G}{G_0}", "the change of ln G since the start", ONE, LN_G),
-        Coordinate(
-            "conductance rate", "rate(ln_g, dt_s)", r"\tfrac{d}{dt}\ln G", "the rate of ln G", PER_SECOND, LN_G
-        ),
-        Coordinate(
-            "heating power",
-            "np.expm1(np.clip(ln_g, -30.0, 30.0))",
-            r"\tfrac{G}{G_0} - 1",
-            "the electrical power in the sensor",
-            ONE,
-            LN_G,
-        ),
-        Coordinate(
-            "largest strain", "largest(e)", r"e_{\max}", "the largest strain so far", ONE, STRAIN, signed=False
-        ),
-        Coordinate(
-            "below the largest strain",
-            "largest(e) - e",
-            r"(e_{\max} - e)",
-            "how far the strain is below its largest so far",
-            ONE,
-            STRAIN,
-            signed=False,
-        ),
-        Coordinate(
-            "past the last top",
-            "e - last_top(e, 0.02 * {span})",
-            r"(e - e_{\text{top}})",
-            "how far the strain is from where it last turned down",
-            ONE,
-            STRAIN,
-        ),
-        Coordinate(
-            "from a share of the last top",
-            "e - self.share * last_top(e, self.swing)",
-            r"(e - s_t\,e_{\text{top}})",
-            "how far the strain is from a share of where it last turned down",
-            ONE,
-            STRAIN,
-            (
-                Slot("share", "s_t", "share of the last top", "number", 0.5, 1.5),
-                Slot("swing", "w", "how far the strain must come back to have turned", "swing"),
-            ),
-            (r"e_{\text{top}} = \text{last top of a swing beyond } w",),
-            signed=True,
-        ),
-        Coordinate("path", "path(e, {span})", r"\int |de|", "the path travelled", ONE, STRAIN, signed=False),
-        Coordinate(
-            "work", "work(F, e)", r"\int |F\,de|", "the work done on the knit", NEWTON, FORCE + STRAIN, signed=False
-        ),
-        Coordinate(
-            "turns",
-            "turns_so_far(e, {span})",
-            r"N",
-            "the number of turns",
-            ONE,
-            STRAIN,
-            signed=False,
-            definitions=(r"N = \text{turns so far}",),
-        ),
-        Coordinate("time", "t", "t", "the time since the start", SECOND, TIME, signed=False),
-        Coordinate(
-            "time since reversal",
-            "since_turn(e, {span}, dt_s)",
-            r"t_{\text{rev}}",
-            "the time since the last reversal",
-            SECOND,
-            STRAIN,
-            signed=False,
-        ),
-        Coordinate(
-            "time at rest",
-            "seconds_near(e, self.width, dt_s)",
-            r"t_{\text{rest}}",
-            "the time at the present strain",
-            SECOND,
-            STRAIN,
-            (Slot("width", "w", "half width of a strain", "size"),),
-            (r"t_{\text{rest}} = \text{time within} \pm w",),
-            signed=False,
-        ),
-        Coordinate("temperature", "T", r"\Delta T", "the change of temperature", KELVIN, WARM),
-    )
-}
+        (r"e_{\text{top}} = \text{last top of a swing beyond } w",),
+        signed=True,
+    ),
+    Coordinate("path", "path(e, {span})", r"\int |de|", "the path travelled", ONE, STRAIN, signed=False),
+    Coordinate(
+        "work", "work(F, e)", r"\int |F\,de|", "the work done on the knit", NEWTON, FORCE + STRAIN, signed=False
+    ),
+    Coordinate(
+        "turns",
+        "turns_so_far(e, {span})",
+        r"N",
+        "the number of turns",
+        ONE,
+        STRAIN,
+        signed=False,
+        definitions=(r"N = \text{turns so far}",),
+    ),
+    Coordinate("time", "t", "t", "the time since the start", SECOND, TIME, signed=False),
+    Coordinate(
+        "time since reversal",
+        "since_turn(e, {span}, dt_s)",
+        r"t_{\text{rev}}",
+        "the time since the last reversal",
+        SECOND,
+        STRAIN,
+        signed=False,
+    ),
+    Coordinate(
+        "time at rest",
+        "seconds_near(e, self.width, dt_s)",
+        r"t_{\text{rest}}",
+        "the time at the present strain",
+        SECOND,
+        STRAIN,
+        (Slot("width", "w", "half width of a strain", "size"),),
+        (r"t_{\text{rest}} = \text{time within} \pm w",),
+        signed=False,
+    ),
+    Coordinate("temperature", "T", r"\Delta T", "the change of temperature", KELVIN, WARM),
+)
 
 # A share n of something that forms and goes: dn/dt = gain (1 - n) - loss n. What makes it form, and what ends it.
 _EDGE = Slot("edge", "e_1", "strain beyond which it forms", "strain")
@@ -139,12 +135,7 @@ _FORMS = {
         (Slot("form_s", r"\tau_1", "time in which it forms at the largest strain"),),
         "forms with the square of the strain",
     ),
-    "with motion": (
-        r"\frac{|\dot e|}{l_1}",
-        "np.abs(moving(e, dt_s)) / self.reach",
-        (_REACH,),
-        "forms with motion",
-    ),
+    "with motion": (r"\frac{|\dot e|}{l_1}", "np.abs(moving(e, dt_s)) / self.reach", (_REACH,), "forms with motion"),
     "while stretching": (
         r"\frac{\dot e^+}{l_1}",
         "over(moving(e, dt_s), 0.0) / self.reach",
@@ -230,4 +221,4 @@ _GATHERS = Coordinate(
     (r"\dot n = \frac{(e - e_1)^+}{s} - \frac{[e < e_2]}{\tau_2}\,n",),
     signed=False,
 )
-KINETICS = {c.name: c for c in (*(_kinetic(*pair) for pair in _SENSIBLE), _GATHERS)}
+KINETICS = named(*(_kinetic(*pair) for pair in _SENSIBLE), _GATHERS)

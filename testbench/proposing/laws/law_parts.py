@@ -12,6 +12,7 @@ Names in the code: ``e`` strain, ``F`` force, ``P`` contact force, ``ln_g`` ln o
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 from testbench.proposing.laws.units import ONE, Unit
 
@@ -28,7 +29,6 @@ class Slot:
     ----------
     key : str
         Its name in the effect; it ends in its unit where that is not 1.
-    symbol, doc : str
     kind : {"time", "delay", "skew", "level", "size", "strain", "path", "swing", "frequency", "number", "angle"}
         Where its values lie: a time constant; a delay; a share of the time; a level or a size of the input `x` (its
         unit is the input's); a strain; a path; a swing of the strain; a frequency; a number between `low` and `high`;
@@ -51,7 +51,6 @@ class Coordinate:
     ----------
     code : str
         One expression.
-    latex, words : str
     reads : tuple of str
         Signals of the chain that it needs.
     """
@@ -86,3 +85,11 @@ class Operator:
     times: Unit = ONE
     squares: bool = False
     only_positive: bool = False
+
+
+Piece = TypeVar("Piece", Coordinate, Operator)
+
+
+def named(*pieces: Piece) -> dict[str, Piece]:
+    """Pieces by their names."""
+    return {one.name: one for one in pieces}

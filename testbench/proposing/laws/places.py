@@ -14,13 +14,10 @@ class Place:
 
     Attributes
     ----------
-    name, words : str
-    stage : Stage
     writes : str
         The signal that it changes.
     code : str
         How z changes it: ``{a}`` is the strength.
-    latex : str
     unit : Unit
         Of the change.
     channel : str

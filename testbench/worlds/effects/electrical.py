@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
-from testbench.worlds.chain import Scene
+from testbench.worlds.chain import Scene, Shape
 from testbench.worlds.effects.registry import form
 from testbench.worlds.kernels import last_turning_point, lowpass, lowpass_two_way
 
-Shape = Mapping[str, float]
 BOTH_SIGNS = [-1.0, 1.0, 1.0]
 
 

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from testbench.worlds.base import soft_positive
-from testbench.worlds.chain import Scene
+from testbench.worlds.chain import Scene, Shape
 from testbench.worlds.effects.registry import form
 from testbench.worlds.kernels import last_turning_point, lowpass, ratchet_slips, stop
-
-Shape = Mapping[str, float]
 
 
 def _lengthened(s: Scene, extra: np.ndarray) -> None:

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 from scipy.special import erf
 
-from testbench.worlds.chain import Scene
+from testbench.worlds.chain import Scene, Shape
 from testbench.worlds.effects.registry import form
 from testbench.worlds.kernels import last_turning_point, lowpass
-
-Shape = Mapping[str, float]
-
 
 # --- stress relaxation: generalised Maxwell solids, linear and not ---
 

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
-from testbench.worlds.chain import Scene
+from testbench.worlds.chain import Scene, Shape
 from testbench.worlds.effects.registry import form
 from testbench.worlds.kernels import lowpass
-
-Shape = Mapping[str, float]
-
 
 # --- lag between the channels ---
 

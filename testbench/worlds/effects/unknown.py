@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
-from testbench.worlds.chain import Scene
+from testbench.worlds.chain import Scene, Shape
 from testbench.worlds.effects.registry import form
 from testbench.worlds.kernels import lowpass, oscillator, relay, seconds_near
-
-Shape = Mapping[str, float]
 
 
 @form("force_crosstalk", "square_of_force_rate", "readout", 3.0, unknown=True, tau=(0.2, 1))

@@ -46,7 +46,10 @@ def misfit_after_refit(option, truth_model, rival_model, seed: int) -> float:
     return sum(float(np.var(left[c] / FLOORS[c])) for c in FLOORS)
 
 
-@pytest.mark.parametrize("first", list(PAIRS))
+ONE, *OTHERS = PAIRS
+
+
+@pytest.mark.parametrize("first", [ONE, *(pytest.param(other, marks=pytest.mark.slow) for other in OTHERS)])
 def test_the_proposal_beats_plain_noise_after_real_refits(first):
     pair = rivals(first)
     options = propose(pair, FLOORS, BOUNDS)
@@ -96,6 +99,16 @@ def test_every_design_keeps_the_limits_and_the_time(bounds):
 def test_impossible_bounds_are_refused(changes, match):
     with pytest.raises(UserError, match=match):
         menu(Bounds(**changes))
+
+
+def test_a_seed_that_no_trajectory_has_is_told_as_such_and_not_as_a_limit_of_the_machine():
+    with pytest.raises(UserError, match=r"^seed must be a whole number from 0 to"):
+        propose(rivals("permanent_set"), FLOORS, BOUNDS, seed=10**30)
+
+
+def test_a_picture_in_another_format_is_refused_before_any_work(capsys):
+    assert main(["experiment", "one.json", "other.json", "--plot", "next.txt"]) == 2
+    assert "next.txt: a figure is written as png, pdf, svg" in capsys.readouterr().err
 
 
 def test_the_same_model_twice_is_refused():

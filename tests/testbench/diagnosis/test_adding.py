@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from gcode.support.errors import UserError
+from testbench.comparing.ladder import as_a_step
 from testbench.diagnosis.adding import add_effect, check_shows, most_likely_start
 from testbench.knit.reach import reaching
 from testbench.measurements.preparing import prepare
@@ -55,3 +56,10 @@ def test_a_rail_that_no_reading_comes_near_starts_from_nothing_whatever_the_size
     )
     start = most_likely_start(model, CATALOGUE["adc_saturation_high"](), prepare(record(model, 60.0, rate_hz=10.0)))
     assert start.floor_S == 0.0
+
+
+def test_a_step_on_a_model_that_has_no_ladder_yet_is_its_first():
+    """As where an effect is put into a preset."""
+    measurement = prepare(record(truth(), 60.0))
+    added = as_a_step(truth(), {}, ModelFile(truth(), 25.0), "+ drift", measurement, measurement)
+    assert [one["step"] for one in added.history] == ["+ drift"]

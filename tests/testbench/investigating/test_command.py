@@ -76,7 +76,7 @@ def test_the_result_shows_itself(tmp_path, monkeypatch):
         (["pes", "--port", "/dev/null"], "SENSOR"),
         (["pes", "--sure", "2"], "sure"),
         (["pes", "--budget-minutes", "1"], "less than one run"),
-        (["pes", "--run-minutes", "0.1"], "duration_s"),
+        (["pes", "--run-minutes", "1"], "error: run_minutes: a run takes 2 to 1440 minutes, got 1"),
         (["pes", "--effects", "absent.py"], "absent.py"),
         (["--resume"], "no investigation"),
         (["--resume", "--trials", "24"], "--trials: an investigation goes on as it began"),

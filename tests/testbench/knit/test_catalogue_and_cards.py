@@ -88,6 +88,13 @@ def test_picture_is_a_png(tmp_path: Path) -> None:
     assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_picture_is_what_its_name_says(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["effects", "drift", "--plot", str(tmp_path / "drift.svg")]) == 0
+    assert "<svg" in (tmp_path / "drift.svg").read_text()
+    assert main(["effects", "drift", "--plot", str(tmp_path / "drift.gif")]) == 2
+    assert "drift.gif: a figure is written as png, pdf, svg" in capsys.readouterr().err
+
+
 def test_template_keeps_the_rules_and_takes_part_in_a_model(tmp_path: Path) -> None:
     write_template("my_effect", tmp_path / "mine.py")
     catalogue = load_catalogue(tmp_path / "mine.py")
@@ -176,6 +183,57 @@ def test_an_effect_that_would_end_the_program_does_not(tmp_path: Path) -> None:
     time_s = np.arange(0, 5, 0.05)
     with pytest.raises(UserError, match="effect bad raised SystemExit: 0"):
         preset("pes").plus(bad).simulate(inputs(time_s, 0.1 * time_s), 0.05)
+
+
+@pytest.mark.parametrize(
+    ("said", "instead", "told"),
+    [
+        ("parameter(0.1, unit", "parameter(9.0, unit", "Bad.gain must be a number from 0 to 1, got 9"),
+        ('parameter(0.1, unit="1", low=0, high=1, doc="gain")', "0.1", "amiss: gain$"),
+        ("    gain: float", "    near: float", "amiss: near$"),
+        ('strength = "gain"', 'optional_reads = ("temperature_C")', "amiss: optional_reads$"),
+        ("low=0", "low=2", "finite bounds, low < high.* got scale='linear', low=2, high=1"),
+        ("low=0", 'low=0, scale="log"', "above 0 with"),
+        ("low=0", 'low=0, scale="Log"', "a scale of"),
+        ('"bad"', '"b\\nad"', "one word of letters, digits and _; got 'b.nad'"),
+        ('"bad"', "5", "one word of letters, digits and _; got 5"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:Field name")
+def test_a_class_that_cannot_be_is_refused(said: str, instead: str, told: str, tmp_path: Path) -> None:
+    text = BROKEN.replace("BODY", 'return {"conductance_S": signals["conductance_S"] * 2}')
+    (tmp_path / "bad.py").write_text(text.replace(said, instead), encoding="utf-8")
+    with pytest.raises(UserError, match=told):
+        load_catalogue(tmp_path / "bad.py")["bad"]()
+
+
+def test_what_a_class_lists_as_parameters_must_be_some(tmp_path: Path) -> None:
+    body = 'return {"conductance_S": signals["conductance_S"] * (1 + self.gain)}'
+    text = BROKEN.replace("BODY", body).replace('look = "n', 'jumps = ("when_s",)\n    look = "n')
+    (tmp_path / "bad.py").write_text(text, encoding="utf-8")
+    assert check(load_catalogue(tmp_path / "bad.py")["bad"]()) == ["jumps names when_s, which is not a parameter"]
+
+
+def test_weights_that_are_not_zero_by_themselves_are_tried_at_zero(tmp_path: Path) -> None:
+    body = 'return {"conductance_S": signals["conductance_S"] * (1 + self.gain[0])}'
+    text = BROKEN.replace("BODY", body).replace("float = parameter(0.1", "tuple[float, ...] = parameter((0.1,)")
+    (tmp_path / "bad.py").write_text(text, encoding="utf-8")
+    assert check(load_catalogue(tmp_path / "bad.py")["bad"]()) == []
+
+
+@pytest.mark.parametrize(
+    ("body", "told"),
+    [
+        ("return None", "returns NoneType, but declares conductance_S"),
+        ('return {"conductance_S": signals["strain"] * 2}', "KeyError: 'strain is not among what it reads'"),
+        ("self.gain = 3.0", "ValidationError: gain: Instance is frozen, got 3.0"),
+    ],
+)
+def test_what_an_effect_raises_is_told_once(body: str, told: str, tmp_path: Path) -> None:
+    (tmp_path / "bad.py").write_text(BROKEN.replace("BODY", body), encoding="utf-8")
+    (problem,) = check(load_catalogue(tmp_path / "bad.py")["bad"]())
+    assert told in problem
+    assert "\n" not in problem
 
 
 def test_an_effect_that_does_not_settle_on_finer_grids_is_caught(tmp_path: Path) -> None:
@@ -289,6 +347,17 @@ def test_a_parameter_that_cannot_be_is_refused_in_one_sentence(name: str, parame
         CATALOGUE[name]().replaced(**parameters)
 
 
+@pytest.mark.parametrize("name", ["a.b", "a\nb", ""])
+def test_a_name_that_no_address_can_have_is_refused_in_a_model(name: str) -> None:
+    with pytest.raises(UserError, match="must be printable, without a point; got "):
+        KnitModel({name: CATALOGUE["drift"]()})
+
+
+def test_a_list_of_names_is_no_name_of_an_effect() -> None:
+    with pytest.raises(UserError, match=r"the model has no effect \['drift'\]; it has "):
+        preset("pes").without(["drift"])  # type: ignore[arg-type]
+
+
 def test_a_model_is_a_frame_of_all_its_numbers() -> None:
     model = KnitModel.of(CATALOGUE["elasticity"](stiffness_N=7), CATALOGUE["stress_relaxation_prony"]())
     frame = model.to_frame()
@@ -314,6 +383,8 @@ def test_unknown_preset_lists_what_there_is() -> None:
     assert names() == ["lycra", "pes"]
     with pytest.raises(UserError, match="there are lycra, pes"):
         preset("cotton")
+    with pytest.raises(UserError, match="a specimen is a preset, @ and a whole number"):
+        preset("pes@" + "9" * 5000)
 
 
 def test_command_lists_shows_draws_starts_and_checks(
@@ -347,3 +418,21 @@ def test_a_guess_far_out_of_bounds_is_moved_into_them() -> None:
     assert (hum.model_dump()["frequency_Hz"], hum.model_dump()["phase_rad"]) == (0.02, 6.3)
     slips = catalogue["clamp_slip_events"]().near(amounts=(9.0,) + (-1.0,) * 11)
     assert slips.model_dump()["amounts"] == (0.5,) + (0.0,) * 11
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"nope": 1}, "StressRelaxation has no parameter nope; it has fraction, tau_s"),
+        ({"fraction": "x"}, "StressRelaxation.fraction must be a number from 0 to 0.9, got 'x'"),
+        ({"fraction": None}, "StressRelaxation.fraction must be a number from 0 to 0.9, got None"),
+    ],
+)
+def test_a_guess_that_is_none_is_refused_in_one_sentence(changes: dict[str, object], told: str) -> None:
+    with pytest.raises(UserError, match=told):
+        CATALOGUE["stress_relaxation"]().near(**changes)
+
+
+def test_a_guess_of_a_vector_may_be_a_list() -> None:
+    guess = CATALOGUE["stress_relaxation_prony"]().near(fractions=[9.0] * 7)
+    assert guess.model_dump()["fractions"] == (1.0,) * 7

@@ -140,3 +140,13 @@ async def test_a_law_for_a_model_that_has_changed_since_is_not_offered(user, pro
     await user.open("/propose?c=sleeve")
     await user.should_see("The model has changed since this was proposed.", retries=50)
     await user.should_not_see("Add sleeve law")
+
+
+def test_whether_it_is_of_the_model_as_it_is_now_takes_one_look_at_the_file(
+    proposed: Studio, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looks, about = [], proposed_law.about_model
+    monkeypatch.setattr(proposed_law, "about_model", lambda path: looks.append(path) or about(path))
+    monkeypatch.setattr(models, "about_model", looks.append)
+    assert kept(proposed).fresh
+    assert looks == [models.model_path(proposed, "sleeve")]

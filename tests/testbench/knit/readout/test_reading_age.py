@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -32,14 +34,15 @@ def test_the_conductance_of_ten_milliseconds_ago_at_uneven_times():
 
 def test_the_instruments_of_the_simulated_rig_are_as_old_as_their_converters_say():
     """The last conversion at 80 per second: 6 ms. The mean of 25 ms: a good 10 ms."""
-    found = fit(*_started(tb.example(duration_s=180))).model
+    found, _ = _example_fitted()
     assert found["force_age"].age_s == pytest.approx(0.006, abs=0.002)
     assert found["conductance_age"].age_s == pytest.approx(0.0115, abs=0.002)
 
 
-def test_a_sensor_with_nothing_hidden_is_fitted_to_the_noise_of_the_simulated_rig():
-    held_out = tb.example(duration_s=180, seed=2)
-    result = tb.diagnose(tb.example(duration_s=180), held_out=held_out, most=1, progress=False)
+@pytest.mark.parametrize("duration_s", [60, pytest.param(180, marks=pytest.mark.slow)])
+def test_a_sensor_with_nothing_hidden_is_fitted_to_the_noise_of_the_simulated_rig(duration_s):
+    recording, held_out = (tb.example(duration_s=duration_s, seed=seed) for seed in (1, 2))
+    result = tb.diagnose(recording, held_out=held_out, most=1, progress=False)
     assert result.verdict == "nothing_missing"
     told = result.to_dict()
     for channel, error in told["error_after"].items():
@@ -48,8 +51,8 @@ def test_a_sensor_with_nothing_hidden_is_fitted_to_the_noise_of_the_simulated_ri
 
 def test_the_jitter_of_the_age_is_that_of_the_converter():
     """A conversion of 12.5 ms that is asked for at any time: 12.5 / sqrt(12) ms, less for neighbours are averaged."""
-    model, measurement = _started(tb.example(duration_s=180))
-    jitter_s = jitter_of([fit(model, measurement).model], measurement)
+    model, measurement = _example_fitted()
+    jitter_s = jitter_of([model], measurement)
     assert jitter_s["force"] == pytest.approx(0.0125 / 12**0.5, rel=0.35)
 
 
@@ -64,6 +67,7 @@ def test_without_jitter_hardly_any_is_found_and_with_it_fast_samples_count_less(
     np.testing.assert_allclose(jittery.weight["conductance"], plain.weight["conductance"])
 
 
-def _started(recording):
-    measurement = prepare(recording)
-    return starting_baseline(measurement), measurement
+@cache
+def _example_fitted():
+    measurement = prepare(tb.example(duration_s=180))
+    return fit(starting_baseline(measurement), measurement).model, measurement
