@@ -86,7 +86,10 @@ def fit(
         rate_hz=target.rate_hz,
         approach_mm_per_s=min(target.v_mean_mm_per_s, 0.9 * limits.v_max_mm_per_s),
     )
-    return _judged(spec, target, gauge_length_mm)
+    try:
+        return _judged(spec, target, gauge_length_mm)
+    except UserError as error:
+        raise UserError(f"fit: nothing that was tried comes near this target ({error}); ask for another") from None
 
 
 def _judged(spec: TrajectorySpec, target: Target, gauge_length_mm: float) -> FitResult:

@@ -181,8 +181,8 @@ def _recorded(
             until_the_end.callback(live.close)
         link = SerialLink(job.port, job.baud, job.give_up_s)
         until_the_end.callback(link.close)
+        asked = stopped or until_the_end.enter_context(stop_signals())
         if not resume:
             campaigns.begin(job, folder)
-        asked = stopped or until_the_end.enter_context(stop_signals())
         follow = live.follow if live else None
         return RecordResult(folder, campaigns.record(job, folder, link, report, asked, resume, follow=follow))

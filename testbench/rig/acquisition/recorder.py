@@ -207,13 +207,13 @@ class Recorder:
         most_N = self.limits.max_force_N
         if row.sample.force_uN is None and most_N < float("inf"):
             return (
-                f"the device sends no force, so --max-force-n {most_N:g} cannot be watched: stop the machine, and "
+                f"the device sends no force, so the limit of {most_N:g} N cannot be watched: stop the machine, and "
                 "connect the load cell or leave the limit out"
             )
         if abs(force_N) > most_N:
-            return f"force {force_N:.3f} N is beyond --max-force-n {most_N:g} {when}: stop the machine"
+            return f"force {force_N:.3f} N is beyond the limit of {most_N:g} N {when}: stop the machine"
         if abs(strain) > self.limits.max_strain:
-            return f"strain {strain:.3f} is beyond --max-strain {self.limits.max_strain:g} {when}: stop the machine"
+            return f"strain {strain:.3f} is beyond the limit of {self.limits.max_strain:g} {when}: stop the machine"
         return ""
 
     def _disk(self, whole: bool, host_s: float) -> None:

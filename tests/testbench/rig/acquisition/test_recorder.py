@@ -95,7 +95,7 @@ def test_force_beyond_the_limit_stops_with_an_alarm_that_is_marked(job, tmp_path
     strict = Job(job.port, job.baud, job.program, 25.0, Limits(max_force_N=0.6))
     status = recorded(strict, tmp_path / "c", in_memory(bench_lines(job), size=1))
     assert status.state == "alarm"
-    assert "--max-force-n 0.6" in status.message
+    assert "is beyond the limit of 0.6 N" in status.message
     recording = read_recording(tmp_path / "c")
     assert recording.metadata["status"] == "alarm"
     assert recording["force_N"][-1] > 0.6 >= recording["force_N"][:-1].max()
@@ -107,7 +107,7 @@ def test_a_force_limit_without_a_force_to_watch_is_an_alarm_at_once(job, tmp_pat
     mute = [encode(decode(line.rstrip())._replace(force_uN=None)) for line in bench_lines(job)]
     status = recorded(strict, tmp_path / "c", in_memory(mute))
     assert (status.state, status.samples) == ("alarm", 1)
-    assert "the device sends no force, so --max-force-n 20 cannot be watched" in status.message
+    assert "the device sends no force, so the limit of 20 N cannot be watched" in status.message
     assert recorded(job, tmp_path / "without", in_memory(mute)).state == "complete"
 
 
