@@ -17,8 +17,8 @@ from gcode.support.html import card, strips
 from gcode.support.read_only import Unchanging, read_only_array
 from gcode.support.strict import check_plain
 from gcode.trajectories.bounds import Limits
-from gcode.trajectories.designed import AnyPiece, Protocol
-from gcode.trajectories.protocol import Piece
+from gcode.trajectories.designed import AnyPiece
+from gcode.trajectories.protocol import Piece, Protocol
 from gcode.trajectories.quantities import Positive, SpecModel
 
 if TYPE_CHECKING:

@@ -16,7 +16,6 @@ from gcode.support.kinds import number
 from gcode.trajectories.designed import (
     Hold,
     Multisine,
-    Protocol,
     Ramp,
     RateSweep,
     ReturnToZero,
@@ -24,7 +23,7 @@ from gcode.trajectories.designed import (
     Triangle,
 )
 from gcode.trajectories.natural import Noise
-from gcode.trajectories.protocol import Piece
+from gcode.trajectories.protocol import Piece, Protocol
 from gcode.trajectories.trajectory import Limits, TrajectorySpec
 
 RATE_HZ = 20.0

@@ -71,11 +71,7 @@ class SerialLink:
     """
 
     def __init__(
-        self,
-        url: str,
-        baud: int = BAUD,
-        give_up_s: float = GIVE_UP_S,
-        clock: Callable[[], float] = host_clock_s,
+        self, url: str, baud: int = BAUD, give_up_s: float = GIVE_UP_S, clock: Callable[[], float] = host_clock_s
     ) -> None:
         self._url, self._baud, self._give_up_s, self._clock = url, baud, give_up_s, clock
         self._parts: queue.SimpleQueue[Part] = queue.SimpleQueue()
