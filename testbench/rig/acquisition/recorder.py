@@ -105,6 +105,8 @@ class Recorder:
         Expected, for the progress.
     is_over : callable
         Whether the recording is complete with this row; see `testbench.rig.acquisition.ending`.
+    remark : callable
+        What to say of such an end.
     report : callable
         Called with the `Status` about twice a second of host time, and at the end.
     follow : callable, optional
@@ -123,6 +125,7 @@ class Recorder:
         limits: Limits | None = None,
         duration_s: float = float("inf"),
         is_over: Callable[[Row], bool] = lambda row: False,
+        remark: Callable[[], str] = str,
         report: Report = lambda status: None,
         disk_patience_s: float = 60.0,
         pause: Callable[[float], None] | None = None,
@@ -131,7 +134,8 @@ class Recorder:
         self.intake, self.sink, self.gauge_length_mm = intake, sink, gauge_length_mm
         self.limits = limits or Limits()
         self.status = Status(duration_s)
-        self._is_over, self._report, self._disk_patience_s = is_over, report, disk_patience_s
+        self._is_over, self._remark = is_over, remark
+        self._report, self._disk_patience_s = report, disk_patience_s
         self._last: Row | None = None
         self._follow = follow
         self._first: tuple[int, int] | None = None
@@ -197,6 +201,7 @@ class Recorder:
             return [row, Event("alarm", row.time_us, {"message": alarm})]
         if self._is_over(row):
             self.status.state = "complete"
+            self.status.message = "; ".join(filter(None, (self.status.message, self._remark())))
             return [row]
         return []
 

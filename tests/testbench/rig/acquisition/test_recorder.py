@@ -80,6 +80,18 @@ def test_a_stage_that_never_stands_still_is_not_waited_for_for_ever(job, tmp_pat
     assert status.time_s == pytest.approx(2 * planned_s, abs=3.0)
 
 
+def test_an_end_before_the_planned_way_was_seen_is_said(job, tmp_path):
+    """The stage is moved by hand and stands until the planned time is over: that was called complete in silence."""
+    planned_s = played(job.program)[0].duration_s
+    time_s = np.arange(round(3 * planned_s * SIMULATED_HZ)) / SIMULATED_HZ
+    lines = SimulatedRig(baseline(), Motion(time_s, np.minimum(time_s, 1.0)), 25.0, 1).lines()
+    status = recorded(job, tmp_path / "c", in_memory(lines))
+    assert (status.state, events(tmp_path / "c")[-1]["message"]) == ("complete", status.message)
+    assert status.message == "the stage was seen to come 1.0 mm of the planned 20.0 mm: was all of it recorded?"
+    whole = recorded(job, tmp_path / "whole", in_memory(bench_lines(job, hold_s=60)))
+    assert whole.message == ""
+
+
 def test_the_clock_of_the_end_waits_for_the_machine(job):
     motion = played(job.program)[0]
     ending = EndOfMotion.of(motion)
