@@ -146,6 +146,6 @@ def _bridged(intake: Intake) -> str:
     """What to say of a device whose clock was lost, by a jump or by a restart: each is an event, too."""
     times = intake.anchor.epoch if intake.anchor else 0
     if intake.restarts:
-        zero = "an encoder that counts from zero has lost its place, and the displacement since has another zero"
+        zero = "if its encoder counts from zero, displacement and strain have another zero since"
         return f"the device restarted ({intake.restarts} times): {zero}; stop the machine and record anew"
     return f"the device's clock jumped {times} times: the host's bridged it" if times else ""

@@ -353,7 +353,7 @@ def test_a_clock_that_was_lost_is_said_on_the_screen_too(lie):
         fed(intake, sample(n, boot=boot, micros=(n * STEP_US + off_us) % MICROS_WRAP), host_s=n * STEP_US / 1e6)
         watchdog.look(n * STEP_US / 1e6, True, intake)
     jumped = "the device's clock jumped 1 times: the host's bridged it"
-    restarted = "the device restarted (59 times): an encoder that counts from zero has lost its place"
+    restarted = "the device restarted (59 times): if its encoder counts from zero, displacement and strain"
     assert watchdog.message.startswith(restarted if lie == "reboots" else jumped)
 
 
