@@ -19,11 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--look-ahead", type=int, default=20, metavar="BLOCKS", help="default 20, as in Mach4")
     parser.add_argument(
-        "--corner-speed",
-        type=float,
-        default=0.0,
-        metavar="MM/S",
-        help="step at a reversal (default 0: stop)",
+        "--corner-speed", type=float, default=0.0, metavar="MM/S", help="step at a reversal (default 0: stop)"
     )
     parser.add_argument("--rapid", type=float, default=50.0, metavar="MM/S", help="speed of G0 moves (default 50)")
 

@@ -13,10 +13,7 @@ _SETTLE = 12  # iterations that look at each block alone, before lateness is car
 
 
 def compensated_speeds(
-    length_mm: np.ndarray,
-    duration_s: np.ndarray,
-    acceleration_mm_per_s2: float,
-    v_max_mm_per_s: float = np.inf,
+    length_mm: np.ndarray, duration_s: np.ndarray, acceleration_mm_per_s2: float, v_max_mm_per_s: float = np.inf
 ) -> np.ndarray:
     """Speeds (mm/s) with which a trapezoidal planner ends each block when it was planned to end.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import get_args
 
@@ -13,8 +14,7 @@ from gcode.mach4.reader import load_program, read_program, read_text
 from gcode.mach4.writer import FeedMode
 from gcode.programs.made_again import check_file
 from gcode.programs.make import Made, make
-from gcode.programs.request import changed
-from gcode.support.errors import UserError
+from gcode.support.errors import UserError, first_problem
 from gcode.support.kinds import instance
 from gcode.trajectories.bounds import Limits
 from gcode.trajectories.presets import preset
@@ -75,7 +75,7 @@ def generate(
     """
     if feed_mode not in get_args(FeedMode):
         raise UserError(f"feed_mode must be {' or '.join(get_args(FeedMode))}, got {feed_mode!r}")
-    wanted = changed(_spec(spec), limits, duration_s, machine_acceleration_mm_per_s2)
+    wanted = _changed(_spec(spec), limits, duration_s, machine_acceleration_mm_per_s2)
     return make(wanted, seed, gauge_length_mm, feed_mode)
 
 
@@ -221,3 +221,27 @@ def _spec(spec: str | Path | TrajectorySpec | Protocol | Piece) -> TrajectorySpe
             f"spec: must be a preset's name, a TOML file, a spec or a piece (join pieces with +), got {kind}"
         )
     return read_spec(spec) if isinstance(spec, Path) or spec.endswith(".toml") else preset(spec)
+
+
+def _changed(
+    spec: TrajectorySpec,
+    limits: Mapping[str, float],
+    duration_s: float | None,
+    machine_acceleration_mm_per_s2: float | None,
+) -> TrajectorySpec:
+    """`spec` with other limits and, where they are given, another duration of its noise and another controller."""
+    if unknown := [name for name in limits if name not in Limits.model_fields]:
+        raise UserError(f"there is no limit {unknown[0]}; limits are {', '.join(Limits.model_fields)}")
+    data = spec.model_dump()
+    data["limits"] |= limits
+    if machine_acceleration_mm_per_s2 is not None:
+        data["machine_acceleration_mm_per_s2"] = machine_acceleration_mm_per_s2
+    if duration_s is not None:
+        noises = [piece for piece in data["pieces"] if piece["kind"] == "noise"]
+        if len(noises) != 1:
+            raise UserError(f"the duration needs a spec with one noise piece, this one has {len(noises)}")
+        noises[0]["duration_s"] = duration_s
+    try:
+        return TrajectorySpec.model_validate(data)
+    except ValueError as error:
+        raise UserError(first_problem(error)) from None

@@ -21,7 +21,7 @@ from gcode.support.errors import UserError
 from gcode.support.html import card
 from gcode.support.strict import validated
 from gcode.trajectories.natural import Noise
-from gcode.trajectories.planning import check_request, plan
+from gcode.trajectories.planning import check_request, plan, slowest_stroke
 from gcode.trajectories.target import NAMES
 from gcode.trajectories.trajectory import AMPLE, Trajectory, TrajectorySpec
 
@@ -104,7 +104,17 @@ class Made:
                     f"strain reaches {reached:.0f} % of {piece.high_percent:g} %: such speeds and accelerations need "
                     "a smaller stroke; gcode fit finds others for this gauge length"
                 )
-        return notes + self._off_the_plan()
+        return notes + self._slowed() + self._off_the_plan()
+
+    def _slowed(self) -> list[str]:
+        """Where the limits do not let a designed piece, or the way to it, be as fast as asked."""
+        designed = tuple(piece for piece in self.spec.pieces if not isinstance(piece, Noise))
+        if not designed:
+            return []
+        asked, reached = slowest_stroke(self.spec.model_copy(update={"pieces": designed}), self.gauge_length_mm)
+        if reached >= (1.0 - MISSED) * asked:
+            return []
+        return [f"{asked:.3g} mm/s are asked for where these limits let the axis reach {reached:.3g} mm/s"]
 
     def _off_the_plan(self) -> list[str]:
         """What a controller of little acceleration makes of the plan, where that is something else."""
@@ -161,7 +171,10 @@ def make(spec: TrajectorySpec, seed: int, gauge_length_mm: float, feed_mode: Fee
         made, problems = _attempt(spec, seed, gauge_length_mm, feed_mode, reserve)
         if not problems:
             return made
-    raise UserError(f"limits: the program did not pass its own check, nothing was written: {problems[0]}")
+    raise UserError(
+        f"limits: the program did not pass its own check, nothing was written: {problems[0]}; raise the limits, "
+        "lower rate_hz, or ask for a slower motion"
+    )
 
 
 def _attempt(

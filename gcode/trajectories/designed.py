@@ -17,21 +17,8 @@ from pydantic import Field, model_validator
 
 from gcode.motion.path import Frame, Path, join, rest, way
 from gcode.trajectories.natural import Noise
-from gcode.trajectories.protocol import Piece, Protocol, RangedPiece
+from gcode.trajectories.protocol import Piece, RangedPiece
 from gcode.trajectories.quantities import Count, Duration, Percent, Positive, Rest
-
-__all__ = [
-    "AnyPiece",
-    "Hold",
-    "Multisine",
-    "Noise",
-    "Protocol",
-    "Ramp",
-    "RateSweep",
-    "ReturnToZero",
-    "Staircase",
-    "Triangle",
-]
 
 
 class Hold(Piece):

@@ -10,9 +10,9 @@ import numpy as np
 from gcode.motion.path import Frame
 from gcode.support.errors import UserError
 from gcode.support.read_only import Unchanging
-from gcode.trajectories.natural import Noise
+from gcode.trajectories.natural import Noise, trial
 from gcode.trajectories.planning import plan
-from gcode.trajectories.target import NAMES, Target, trial
+from gcode.trajectories.target import NAMES, Target
 from gcode.trajectories.trajectory import Limits, TrajectorySpec
 
 SHAPES = ((2, 0.15), (2, 0.3), (1, 1.0), (3, 0.4))  # octaves, persistence; tried in turn
@@ -86,7 +86,10 @@ def fit(
         rate_hz=target.rate_hz,
         approach_mm_per_s=min(target.v_mean_mm_per_s, 0.9 * limits.v_max_mm_per_s),
     )
-    return _judged(spec, target, gauge_length_mm)
+    try:
+        return _judged(spec, target, gauge_length_mm)
+    except UserError as error:
+        raise UserError(f"fit: nothing that was tried comes near this target ({error}); ask for another") from None
 
 
 def _judged(spec: TrajectorySpec, target: Target, gauge_length_mm: float) -> FitResult:

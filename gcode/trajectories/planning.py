@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from numbers import Integral
 
 import numpy as np
 
-from gcode.motion.limits import drive_within, sampled_positions
+from gcode.motion.blocks import drive
+from gcode.motion.limits import drive_within, path_blocks, sampled_positions
 from gcode.motion.path import Frame, Path, join, way
 from gcode.support.errors import UserError
 from gcode.support.kinds import is_number
@@ -86,6 +88,20 @@ def whole_path(
         paths += [way([here, float(part.position_mm[0])], spec.approach_mm_per_s), part]
         here = float(part.position_mm[-1])
     return join(*paths, way([here, 0.0], spec.approach_mm_per_s))
+
+
+def slowest_stroke(spec: TrajectorySpec, gauge_length_mm: float) -> tuple[float, float]:
+    """The speed asked for, and the one that the limits allow (mm/s), where these are furthest apart."""
+    v_max, a_max = spec.limits.v_max_mm_per_s, spec.limits.a_max_mm_per_s2
+    blocks = path_blocks(whole_path(spec, 0, gauge_length_mm, v_max, a_max), np.inf)
+    moving = blocks.length_mm != 0
+    if not moving.any():
+        return v_max, v_max
+    asked = blocks.speed_mm_per_s[moving]
+    driven = drive(replace(blocks, speed_mm_per_s=np.minimum(blocks.speed_mm_per_s, v_max)), a_max)
+    reached = np.abs(driven.velocity_mm_per_s[1::3][moving])
+    worst = int((reached / asked).argmin())
+    return float(asked[worst]), float(reached[worst])
 
 
 def check_request(spec: TrajectorySpec, seed: int, gauge_length_mm: float) -> None:

@@ -14,17 +14,18 @@ from gcode.support import files
 from gcode.support.errors import UserError
 from gcode.support.figures import outline, panels
 from gcode.support.html import card, strips
-from gcode.support.read_only import Unchanging
+from gcode.support.read_only import Unchanging, read_only_array
 from gcode.support.strict import check_plain
 from gcode.trajectories.bounds import Limits
-from gcode.trajectories.designed import AnyPiece, Protocol
-from gcode.trajectories.protocol import Piece
+from gcode.trajectories.designed import AnyPiece
+from gcode.trajectories.protocol import Piece, Protocol
 from gcode.trajectories.quantities import Positive, SpecModel
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
+_ROUNDED_S = 1e-4  # of a time in a file, which has four decimals
 AMPLE = 5.0  # times the limit: a controller of so much acceleration follows any plan within it
 
 
@@ -88,13 +89,36 @@ class Trajectory(Unchanging):
     Attributes
     ----------
     time_s : array (n,)
-        Times from zero, in steps of 1/rate.
+        Times in steps of 1/rate; two at least.
     position_mm : array (n,)
         Machine position.
+
+    Raises
+    ------
+    UserError
+        If these are no finite numbers, not as many times as positions, or times that are not evenly spaced.
+
+    Examples
+    --------
+    >>> import gcode
+    >>> gcode.Trajectory([0, 0.5, 1], [0, 1, 0])
+    <Trajectory 1.0 s at 2 Hz, 0 to 1 mm>
     """
 
     time_s: np.ndarray
     position_mm: np.ndarray
+
+    def __post_init__(self) -> None:
+        time_s, position_mm = (_column(name, getattr(self, name)) for name in ("time_s", "position_mm"))
+        if len(time_s) != len(position_mm):
+            raise UserError(
+                f"Trajectory: as many times as positions are needed, got {len(time_s)} and {len(position_mm)}"
+            )
+        even_s = np.linspace(time_s[0], time_s[-1], len(time_s))
+        if not time_s[-1] > time_s[0] or np.abs(time_s - even_s).max() > _ROUNDED_S:
+            raise UserError("Trajectory: time_s must rise in even steps; resample the positions first (numpy.interp)")
+        object.__setattr__(self, "time_s", time_s)
+        object.__setattr__(self, "position_mm", position_mm)
 
     @property
     def rate_hz(self) -> float:
@@ -156,19 +180,26 @@ def read_csv(path: str | FilePath) -> Trajectory:
         with FilePath(path).open(encoding="utf-8") as stream:
             header = stream.readline(4096).strip().split(",")
             if header[:2] != ["time_s", "position_mm"]:
-                raise UserError(f"{path}: the header must begin with time_s,position_mm, got {','.join(header)[:60]}")
+                raise ValueError(f"the header must begin with time_s,position_mm, got {','.join(header)[:60]}")
             columns = np.loadtxt(stream, delimiter=",", usecols=(0, 1), ndmin=2)
+        return Trajectory(columns[:, 0], columns[:, 1])
     except (OSError, UnicodeDecodeError) as error:
         raise UserError(f"{path}: cannot read this trajectory: {getattr(error, 'strerror', error)}") from error
-    except UserError:
-        raise
     except ValueError as error:
         raise UserError(f"{path}: not a trajectory: {error}") from error
-    if len(columns) < 2 or not np.isfinite(columns).all():
-        raise UserError(f"{path}: a trajectory needs at least two rows of finite numbers")
-    return Trajectory(columns[:, 0], columns[:, 1])
 
 
 def sampled(position_mm: np.ndarray, rate_hz: float) -> Trajectory:
     """Positions at a uniform rate, from time zero."""
-    return Trajectory(np.arange(len(position_mm)) / rate_hz, np.asarray(position_mm, dtype=float))
+    return Trajectory(np.arange(len(position_mm)) / rate_hz, position_mm)
+
+
+def _column(name: str, values: object) -> np.ndarray:
+    """Numbers that were given, as an array that nobody changes."""
+    try:
+        column = read_only_array(np.asarray(values, dtype=float))
+    except (TypeError, ValueError):
+        column = np.zeros(0)
+    if column.ndim != 1 or len(column) < 2 or not np.isfinite(column).all():
+        raise UserError(f"Trajectory: {name} must be two finite numbers or more in a row, got {str(values)[:60]}")
+    return column

@@ -18,8 +18,6 @@ from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
 from testbench.knit.presets import names as preset_names
 from testbench.knit.presets import preset
-from testbench.measurements.preparing import MAX_GRID_HZ
-from testbench.measurements.splitting import MIN_PART
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
 from testbench.recordings.checks import known_length
 from testbench.recordings.columns import numbers
@@ -219,6 +217,10 @@ def recordings_for(
         check_same_set_up(file, first, model if isinstance(model, str | Path) else "model")
     second = None if held_out is None else recording_of(held_out, gauge_length_mm, usual_mm)
     if second is not None:
+        # Imported here: they are slow, and a recorder must start at once.
+        from testbench.measurements.preparing import MAX_GRID_HZ
+        from testbench.measurements.splitting import MIN_PART
+
         check_grid([second], first, MAX_GRID_HZ, MIN_PART)
         say_if_same(second, first)
     return first, second, clamp_play_mm or (file.clamp_play_mm if file and second else 0.0)

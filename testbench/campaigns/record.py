@@ -171,6 +171,7 @@ def record(
             job.limits,
             job.motion.duration_s,
             is_over=ending,
+            remark=ending.remark,
             report=report,
             disk_patience_s=job.give_up_s,
             pause=pause,

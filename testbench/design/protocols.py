@@ -13,10 +13,10 @@ from gcode.motion.path import Frame, join
 from gcode.programs.make import Made, make
 from gcode.support.errors import UserError
 from gcode.support.kinds import number
-from gcode.trajectories.designed import Hold, Multisine, Protocol, Ramp, RateSweep, ReturnToZero, Staircase, Triangle
+from gcode.trajectories.designed import Hold, Multisine, Ramp, RateSweep, ReturnToZero, Staircase, Triangle
 from gcode.trajectories.natural import Noise
 from gcode.trajectories.planning import check_request
-from gcode.trajectories.protocol import Piece
+from gcode.trajectories.protocol import Piece, Protocol
 from gcode.trajectories.trajectory import Limits, TrajectorySpec
 
 RATE_HZ = 20.0

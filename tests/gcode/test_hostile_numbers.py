@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from gcode.cli import main
@@ -12,7 +14,7 @@ from gcode.trajectories.designed import Hold, Ramp, RateSweep, Staircase, Triang
 from gcode.trajectories.natural import Noise
 from gcode.trajectories.planning import plan
 from gcode.trajectories.presets import preset
-from gcode.trajectories.trajectory import TrajectorySpec
+from gcode.trajectories.trajectory import Trajectory, TrajectorySpec, read_csv
 from tests.fuzz.targets import SPEC
 
 LIMITS = ["--v-max", "5", "--a-max", "20", "--x-min", "-1", "--x-max", "10"]
@@ -112,3 +114,36 @@ def test_a_message_does_not_repeat_a_megabyte(tmp_path, capsys):
     (tmp_path / "spec.toml").write_text(f'name = "{"x" * 900_000}"\n')
     assert main(["generate", "--spec", str(tmp_path / "spec.toml"), "-o", str(tmp_path / "o")]) == 2
     assert len(capsys.readouterr().err) < 1000
+
+
+@pytest.mark.parametrize(
+    ("time_s", "position_mm", "said"),
+    [
+        ("x", [0, 1], "time_s must be two finite numbers or more in a row, got x"),
+        ([0, 1], [0, float("nan")], "position_mm must be two finite numbers or more in a row, got [0, nan]"),
+        ([0], [0], "time_s must be two finite numbers or more"),
+        ([[0, 1]], [0, 1], "time_s must be two finite numbers or more"),
+        ([0, 1], [0, 1, 2], "as many times as positions are needed, got 2 and 3"),
+        ([0, 1, 3], [0, 1, 2], "time_s must rise in even steps"),
+        ([1, 0], [0, 1], "time_s must rise in even steps"),
+    ],
+)
+def test_a_trajectory_that_is_none_is_refused_when_it_is_made(time_s, position_mm, said):
+    """It was made of anything; `rate_hz` and the statistics of uneven times were wrong in silence."""
+    with pytest.raises(UserError, match=re.escape(f"Trajectory: {said}")):
+        Trajectory(time_s, position_mm)
+
+
+def test_a_trajectory_may_be_made_of_lists_and_of_the_rounded_times_of_a_file(tmp_path):
+    made = Trajectory([0, 1, 2], [0, 1, 0])
+    assert repr(made) == "<Trajectory 2.0 s at 1 Hz, 0 to 1 mm>"
+    assert made.statistics().a_max_mm_per_s2 == 2.0
+    thirds = Trajectory([number / 3 for number in range(100)], range(100))
+    thirds.write_csv(tmp_path / "t.csv")
+    assert read_csv(tmp_path / "t.csv").rate_hz == pytest.approx(3)
+
+
+def test_an_uneven_file_is_no_trajectory(tmp_path):
+    (tmp_path / "t.csv").write_text("time_s,position_mm\n0,0\n1,1\n5,2\n")
+    with pytest.raises(UserError, match="not a trajectory: Trajectory: time_s must rise in even steps"):
+        read_csv(tmp_path / "t.csv")

@@ -215,3 +215,23 @@ def test_a_least_speed_that_the_range_does_not_allow_is_refused():
 def test_senseless_limits_are_refused(values):
     with pytest.raises(UserError, match=next(iter(values))):
         Limits(**values)
+
+
+@pytest.mark.parametrize(
+    ("piece", "asked", "reached"),
+    [
+        (RateSweep(speeds_mm_per_s=(1, 20)), 20, 10),
+        (Triangle(speed_mm_per_s=9, high_percent=2), 9, 3.16),
+        (Multisine(duration_s=20, frequencies_hz=(1.0,), high_percent=10), 4, 2.4),
+    ],
+)
+def test_a_speed_that_the_limits_do_not_let_the_axis_reach_is_said(piece, asked, reached):
+    (note,) = make(TrajectorySpec.of(piece), 1, 25.0).notes()
+    numbers = [float(number) for number in re.findall(r"([\d.]+) mm/s", note)]
+    assert numbers == pytest.approx([asked, reached], rel=0.05)
+
+
+def test_what_keeps_its_speeds_is_not_remarked_upon():
+    pieces = Hold(duration_s=1) + Triangle(speed_mm_per_s=5) + Noise(duration_s=20)
+    assert make(TrajectorySpec.of(pieces), 1, 25.0).notes() == []
+    assert make(TrajectorySpec.of(Hold(duration_s=1) + Noise(duration_s=20)), 1, 25.0).notes() == []

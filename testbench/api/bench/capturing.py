@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from gcode.support.errors import UserError
 from gcode.support.files import existing_file
 from gcode.support.kinds import instance, number, path_of, whole
 from testbench.api.bench.running import CampaignResult
@@ -24,6 +25,7 @@ from testbench.rig.connection.serial_port import BAUD, GIVE_UP_S, SerialLink
 from testbench.rig.simulation.played import played
 
 Stopped = Callable[[], bool]
+LARGEST_STRAIN = 10.0  # nothing is planned beyond 1000 %: a larger limit is one in %, and would never be passed
 
 
 @dataclass(frozen=True, repr=False)
@@ -116,6 +118,8 @@ def record(
     folder, port = path_of(folder, "folder"), stated_port(port)
     said = {"max_force_N": max_force_N, "max_strain": max_strain}
     limits = Limits(**{name: limit for name, limit in said.items() if limit is not None})
+    if LARGEST_STRAIN < limits.max_strain < float("inf"):
+        raise UserError(f"max_strain must be at most {LARGEST_STRAIN:g}, got {max_strain:g}; 0.3 stands for 30 %")
     baud, give_up_s = whole("baud", baud, 1), number("give_up_s", give_up_s, 0)
     vacant(folder)
     program = existing_file(program, "program; make one with `gcode generate`")
@@ -181,8 +185,8 @@ def _recorded(
             until_the_end.callback(live.close)
         link = SerialLink(job.port, job.baud, job.give_up_s)
         until_the_end.callback(link.close)
+        asked = stopped or until_the_end.enter_context(stop_signals())
         if not resume:
             campaigns.begin(job, folder)
-        asked = stopped or until_the_end.enter_context(stop_signals())
         follow = live.follow if live else None
         return RecordResult(folder, campaigns.record(job, folder, link, report, asked, resume, follow=follow))

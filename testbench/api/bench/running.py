@@ -170,11 +170,12 @@ def run(
     ...     made.recording.gauge_length_mm
     25.0
     """
-    folder, earlier, own = path_of(folder, "folder"), earlier_runs(after), own_file(effects)
-    with planned(model, program, seed, gauge_length_mm, instruments, earlier, rest_s, own) as (plan, motion):
+    folder = path_of(folder, "folder")
+    ready = planned(model, program, seed, gauge_length_mm, instruments, after, rest_s, own_file(effects))
+    with ready as (plan, motion):
         if matches(folder, plan):
             return RunResult(folder, None, plan.sensor, plan.seed)
-        _check_apart(folder, [plan.program, *earlier, *plan.past, *filter(None, [own, _file_of(model)])])
+        _check_apart(folder, [plan.program, *plan.past, *filter(None, [plan.effects, _file_of(model)])])
         if real_time:
             vacant(folder, overwrite)
             with stop_signals() as stopped:
@@ -249,7 +250,7 @@ def planned(
     effects: Effects,
 ) -> Iterator[tuple[Plan, Motion]]:
     """Everything that a simulated campaign depends on, and the motion of its program; parameters as in `run`."""
-    own = own_file(effects) if isinstance(effects, str | Path) else None
+    own = Path(effects) if isinstance(effects, str | Path) else None
     knit, earlier = model_file_of(model, catalogue_of(effects)).model, earlier_runs(after)
     seed, rest_s = whole("seed:", seed, 0), number("rest_s", rest_s, 0)
     tools = Instruments() if instruments is None else instance("instruments", instruments, Instruments)

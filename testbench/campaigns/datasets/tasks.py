@@ -143,16 +143,14 @@ def _planned(spec: DatasetSpec, base: Path, out: Path) -> list[Path]:
 
 
 def _programs(wish: TrajectoryWish, gauge_length_mm: float, base: Path, folder: Path) -> Iterator[Path]:
-    from gcode.programs.make import make as make_program
-    from gcode.programs.request import changed
+    from gcode.programs.api import generate
     from gcode.trajectories.presets import preset as motion_preset
     from gcode.trajectories.toml_spec import read_spec
 
     given = motion_preset(wish.preset) if wish.preset else read_spec(base / str(wish.spec))
-    source = changed(given, {}, wish.duration_s)
     for seed in wish.seeds:
-        path = folder / f"{source.name}-{seed:05d}.tap"
-        text = make_program(source, seed, gauge_length_mm).program
-        if not path.is_file() or strict.read_bytes(path, "program") != text.encode():
-            write_text(path, text)
+        made = generate(given, seed, gauge_length_mm, duration_s=wish.duration_s)
+        path = folder / f"{made.spec.name}-{seed:05d}.tap"
+        if not path.is_file() or strict.read_bytes(path, "program") != made.program.encode():
+            write_text(path, made.program)
         yield path

@@ -53,10 +53,6 @@ class Appender:
         self.refusal = None
         return True
 
-    def hold(self, text: str) -> None:
-        """Keep for the next write."""
-        self.pending += text.encode()
-
     def lock(self) -> None:
         """Refuse a second recorder on this file; the lock ends with this process, however it ends."""
         try:

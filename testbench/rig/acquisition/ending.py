@@ -143,6 +143,13 @@ class EndOfMotion:
         slower = ((self._near_us or 0.0) - begun_us) * 1e-6 / max(self.near_s, 1 / _PLAN_HZ)
         return float(np.clip(slower, 1.0, LONGEST_TIMES)) * self.last_s
 
+    def remark(self) -> str:
+        """What to say of an end that came before the planned way was seen; empty if it was."""
+        done_mm, way_mm = self._way.done_nm / 1e6, self.way_nm / 1e6
+        if done_mm >= WHOLE_WAY * way_mm:
+            return ""
+        return f"the stage was seen to come {done_mm:.1f} mm of the planned {way_mm:.1f} mm: was all of it recorded?"
+
     @property
     def patience_s(self) -> float:
         """How long a stage may have to stand at its end until that is known to be the end."""

@@ -105,6 +105,8 @@ class Recorder:
         Expected, for the progress.
     is_over : callable
         Whether the recording is complete with this row; see `testbench.rig.acquisition.ending`.
+    remark : callable
+        What to say of such an end.
     report : callable
         Called with the `Status` about twice a second of host time, and at the end.
     follow : callable, optional
@@ -123,6 +125,7 @@ class Recorder:
         limits: Limits | None = None,
         duration_s: float = float("inf"),
         is_over: Callable[[Row], bool] = lambda row: False,
+        remark: Callable[[], str] = str,
         report: Report = lambda status: None,
         disk_patience_s: float = 60.0,
         pause: Callable[[float], None] | None = None,
@@ -131,7 +134,8 @@ class Recorder:
         self.intake, self.sink, self.gauge_length_mm = intake, sink, gauge_length_mm
         self.limits = limits or Limits()
         self.status = Status(duration_s)
-        self._is_over, self._report, self._disk_patience_s = is_over, report, disk_patience_s
+        self._is_over, self._remark = is_over, remark
+        self._report, self._disk_patience_s = report, disk_patience_s
         self._last: Row | None = None
         self._follow = follow
         self._first: tuple[int, int] | None = None
@@ -197,6 +201,7 @@ class Recorder:
             return [row, Event("alarm", row.time_us, {"message": alarm})]
         if self._is_over(row):
             self.status.state = "complete"
+            self.status.message = "; ".join(filter(None, (self.status.message, self._remark())))
             return [row]
         return []
 
@@ -207,13 +212,13 @@ class Recorder:
         most_N = self.limits.max_force_N
         if row.sample.force_uN is None and most_N < float("inf"):
             return (
-                f"the device sends no force, so --max-force-n {most_N:g} cannot be watched: stop the machine, and "
+                f"the device sends no force, so the limit of {most_N:g} N cannot be watched: stop the machine, and "
                 "connect the load cell or leave the limit out"
             )
         if abs(force_N) > most_N:
-            return f"force {force_N:.3f} N is beyond --max-force-n {most_N:g} {when}: stop the machine"
+            return f"force {force_N:.3f} N is beyond the limit of {most_N:g} N {when}: stop the machine"
         if abs(strain) > self.limits.max_strain:
-            return f"strain {strain:.3f} is beyond --max-strain {self.limits.max_strain:g} {when}: stop the machine"
+            return f"strain {strain:.3f} is beyond the limit of {self.limits.max_strain:g} {when}: stop the machine"
         return ""
 
     def _disk(self, whole: bool, host_s: float) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from array import array
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import compress
 from pathlib import Path
@@ -200,14 +200,10 @@ def _set_aside(folder: Path, left: Left, aside: set[int]) -> None:
             bad.append(bad_line(Bad(DAMAGED, line)).encode())
         elif number and left.channels:
             good.append(line + b"\n")
-    _append(folder / BAD, bad)
-    write_bytes(folder / CSV, b"".join(good), recorded=True)
-
-
-def _append(path: Path, lines: Iterable[bytes]) -> None:
-    with disk.growing(path) as handle:
-        disk.write_all(handle, b"".join(lines))
+    with disk.growing(folder / BAD) as handle:
+        disk.write_all(handle, b"".join(bad))
         disk.DISK.sync(handle)
+    write_bytes(folder / CSV, b"".join(good), recorded=True)
 
 
 def _cut(path: Path, size: int) -> None:

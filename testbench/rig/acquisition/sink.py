@@ -73,6 +73,7 @@ class Sink:
     def __init__(self, folder: Path, room_bytes: int = 0) -> None:
         self._folder = folder
         self._csv, self._bad, self._events = (Appender(folder / name) for name in (CSV, BAD, EVENTS))
+        self._parts = (self._events, self._bad, self._csv)
         self._room = folder / ROOM
         self._hurry, self._hurried = ThreadPoolExecutor(1, "events to the disk"), Future[None]()
         self._hurried.set_result(None)
@@ -108,7 +109,7 @@ class Sink:
             if stamped:
                 self._sync_events()
             return self._csv.write("".join(rows)) and whole
-        self._csv.hold("".join(rows))
+        self._csv.pending += "".join(rows).encode()
         return False
 
     def _sync_events(self) -> None:
@@ -125,18 +126,18 @@ class Sink:
     @property
     def refusal(self) -> str:
         """Why the disk does not take what is written, in the system's words; empty if it does."""
-        errors = [part.refusal for part in self._parts() if part.refusal]
+        errors = [part.refusal for part in self._parts if part.refusal]
         return errors[0].strerror or str(errors[0]) if errors else ""
 
     @property
     def full(self) -> bool:
         """Whether that is for want of room."""
-        return any(part.refusal is not None and part.refusal.errno in FULL for part in self._parts())
+        return any(part.refusal is not None and part.refusal.errno in FULL for part in self._parts)
 
     @property
     def pending_bytes(self) -> int:
         """Bytes that the disk has not taken."""
-        return sum(len(part.pending) for part in self._parts())
+        return sum(len(part.pending) for part in self._parts)
 
     @property
     def unwritten_rows(self) -> int:
@@ -151,12 +152,12 @@ class Sink:
     @property
     def sync_failures(self) -> int:
         """How often the disk said that it could not keep what it had taken."""
-        return sum(part.sync_failures for part in self._parts())
+        return sum(part.sync_failures for part in self._parts)
 
     @property
     def disturbed(self) -> str:
         """What another program did to the files meanwhile, in words; empty if nothing."""
-        names = ", ".join(part.path.name for part in self._parts() if part.disturbed)
+        names = ", ".join(part.path.name for part in self._parts if part.disturbed)
         return names and f"{names}: removed, replaced or cut by another program, and what was in it is lost"
 
     def give_up(self) -> None:
@@ -172,7 +173,7 @@ class Sink:
 
     def sync(self) -> None:
         """Have the disk keep everything written so far."""
-        for part in self._parts():
+        for part in self._parts:
             part.sync()
 
     def close(self) -> bool:
@@ -180,7 +181,7 @@ class Sink:
         self.release_room()
         self._hurry.shutdown()
         ours = not self.disturbed  # a manifest must not seal what somebody else put there
-        whole = [part.close() for part in self._parts()]
+        whole = [part.close() for part in self._parts]
         return all(whole) and ours
 
     def _hold_room(self, size: int) -> None:
@@ -202,6 +203,3 @@ class Sink:
             raise UserError(
                 f"{self._folder}: cannot record here: {error.strerror}; make room, or choose another folder"
             ) from None
-
-    def _parts(self) -> tuple[Appender, Appender, Appender]:
-        return self._events, self._bad, self._csv

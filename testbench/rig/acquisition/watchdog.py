@@ -99,7 +99,7 @@ class Watchdog:
 
     def _quiet_words(self, host_s: float) -> str:
         if self._bytes_s > self._line_s:
-            return f"bytes come, but no whole line for {host_s - self._line_s:.0f} s: wrong --baud?"
+            return f"bytes come, but no whole line for {host_s - self._line_s:.0f} s: wrong baud rate?"
         return f"no bytes for {host_s - self._bytes_s:.0f} s: is the device on, and is this its port?"
 
     def _rejections(self, host_s: float, intake: Intake) -> list[Event]:
@@ -114,7 +114,7 @@ class Watchdog:
             self._rejected = ""
             return []
         reason = rejected.most_common(1)[0][0]
-        hint = HINTS.get(reason, "wrong --baud?")
+        hint = HINTS.get(reason, "wrong baud rate?")
         self._rejected = f"{100 * share:.0f} % of the lines are rejected ({reason}): {hint}"
         return [] if was else [Event("mostly rejected", intake.time_us, {"share": round(share, 3), "reason": reason})]
 
@@ -143,6 +143,9 @@ def _two_devices(intake: Intake) -> str:
 
 
 def _bridged(intake: Intake) -> str:
-    """What to say of a device whose clock was lost, by a jump or by a reboot: each is an event, too."""
+    """What to say of a device whose clock was lost, by a jump or by a restart: each is an event, too."""
     times = intake.anchor.epoch if intake.anchor else 0
-    return f"the device's clock jumped or began anew {times} times: the host's bridged it" if times else ""
+    if intake.restarts:
+        zero = "if its encoder counts from zero, displacement and strain have another zero since"
+        return f"the device restarted ({intake.restarts} times): {zero}; stop the machine and record anew"
+    return f"the device's clock jumped {times} times: the host's bridged it" if times else ""

@@ -5,8 +5,10 @@ A thread of its own reads the port, so that a slow disk cannot make the operatin
 
 from __future__ import annotations
 
+import contextlib
 import queue
 import re
+import termios
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -18,6 +20,8 @@ BAUD = 115200
 GIVE_UP_S = 60.0  # until a port that went away is given up
 READ_TIMEOUT_S = 0.1
 FIRST_WAIT_S, LONGEST_WAIT_S = 0.05, 1.0
+# What a port that is not there, not free or not whole raises; pyserial's own error is an OSError.
+REFUSALS = (OSError, ValueError, OverflowError, termios.error)
 
 
 def host_clock_s() -> float:
@@ -34,8 +38,8 @@ def open_port(url: str, baud: int):
 
     Raises
     ------
-    serial.SerialException
-        If it is not there, or another process holds it.
+    one of `REFUSALS`
+        If it is not there, another process holds it, or it has no such baud rate.
     """
     import serial
 
@@ -67,11 +71,7 @@ class SerialLink:
     """
 
     def __init__(
-        self,
-        url: str,
-        baud: int = BAUD,
-        give_up_s: float = GIVE_UP_S,
-        clock: Callable[[], float] = host_clock_s,
+        self, url: str, baud: int = BAUD, give_up_s: float = GIVE_UP_S, clock: Callable[[], float] = host_clock_s
     ) -> None:
         self._url, self._baud, self._give_up_s, self._clock = url, baud, give_up_s, clock
         self._parts: queue.SimpleQueue[Part] = queue.SimpleQueue()
@@ -97,24 +97,22 @@ class SerialLink:
         self._thread.join(timeout=5.0)
 
     def _first_open(self):
-        import serial
-
         try:
             return open_port(self._url, self._baud)
-        except serial.SerialException as error:
+        except REFUSALS as error:
             if "lock" in str(error):
                 raise UserError(f"{self._url}: another program holds this port; end it first") from None
             raise UserError(
-                f"{self._url}: cannot open this port: {_short(error)}; check its name and the cable"
+                f"{self._url}: cannot open this port at {self._baud} baud: {_short(error)}; check its name, the "
+                "cable and the baud rate"
             ) from None
-        except ValueError as error:
-            raise UserError(f"{self._url}: not a port: {error}") from None
 
     def _read(self) -> None:
         port = self._port
         while port is not None:
             reason = self._drain(port)
-            port.close()
+            with contextlib.suppress(OSError):
+                port.close()
             if reason is None:
                 return
             self._parts.put(Lost(self._clock(), reason))
@@ -122,27 +120,22 @@ class SerialLink:
 
     def _drain(self, port) -> str | None:
         """Read until the link is closed (None) or the port is lost (why)."""
-        import serial
-
         try:
             while not self._ended.is_set():
                 if data := port.read(port.in_waiting or 1):
                     self._parts.put(Chunk(self._clock(), data))
-        except (serial.SerialException, OSError, TypeError) as error:
-            # TypeError: pyserial's read() when another thread of this process closed the port.
+        except REFUSALS as error:
             return _short(error)
         return None
 
     def _reopen(self):
-        import serial
-
         since_s, wait_s = self._clock(), FIRST_WAIT_S
         while self._clock() - since_s < self._give_up_s:
             if self._ended.wait(wait_s):
                 return None
             try:
                 return open_port(self._url, self._baud)
-            except (serial.SerialException, OSError):
+            except REFUSALS:
                 wait_s = min(2 * wait_s, LONGEST_WAIT_S)
         gone = f"the port {self._url} did not come back within {self._give_up_s:g} s"
         self._parts.put(End(self._clock(), "port lost", gone))
@@ -150,7 +143,7 @@ class SerialLink:
 
 
 def _short(error: BaseException) -> str:
-    text = str(getattr(error, "strerror", None) or error)
+    text = str(error.args[-1] if error.args else "")
     if system := re.search(r"\[Errno \d+\] ([^:'\"]+)", text):
         return system[1].strip()
     return text.partition("(")[0].strip().rstrip(":") or type(error).__name__

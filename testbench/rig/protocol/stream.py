@@ -55,6 +55,8 @@ class Intake:
         The last accepted sample; see `continue_from`.
     accepted, lost : int
         Lines accepted; lines that the sequence numbers prove were sent and never came.
+    restarts : int
+        How often the device began anew.
     bad : Counter
         Rejected lines by reason.
     host_clock : bool
@@ -67,6 +69,7 @@ class Intake:
     anchor: Anchor | None = None
     accepted: int = 0
     lost: int = 0
+    restarts: int = 0
     bad: Counter[str] = field(default_factory=Counter)
     host_clock: bool = True
     voices: Voices = field(default_factory=Voices)
@@ -217,6 +220,7 @@ class Intake:
         self._old_boots.add(anchor.boot)
         self._old_boots.discard(sample.boot)
         self._missing.clear()
+        self.restarts += 1
         # The device lost its clock: only the host knows how long it was away.
         time_us = anchor.time_us + max(1, round((host_s - anchor.host_s) * 1e6))
         self.anchor = Anchor(sample.boot, sample.micros, time_us, host_s, anchor.epoch + 1)

@@ -78,7 +78,7 @@ class PtyPort:
                 self._link.unlink()
             self._link.symlink_to(self.device)
         except OSError as error:
-            raise UserError(f"{self._link}: cannot make this link: {error.strerror}; choose another --link") from None
+            raise UserError(f"{self._link}: cannot make this link: {error.strerror}; choose another place") from None
 
 
 def serve(port: PtyPort, lines: Iterable[bytes]) -> int:

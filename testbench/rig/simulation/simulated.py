@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from itertools import repeat
+from itertools import count, repeat
 
 import numpy as np
 from numpy.random import default_rng
@@ -73,14 +73,10 @@ class Readings:
         channels = (None if channel is None else int(channel[number]) for channel in self.channels)
         return Sample(self.boot, number, int(self.micros[number]), *channels)  # type: ignore[arg-type]
 
-    def samples(self) -> Iterator[Sample]:
-        """All samples, one by one."""
-        columns = (repeat(None) if channel is None else channel.tolist() for channel in self.channels)
-        return map(Sample, repeat(self.boot), range(len(self.micros)), self.micros.tolist(), *columns)
-
     def lines(self) -> Iterator[bytes]:
         """All samples as lines of the wire protocol."""
-        return map(encode, self.samples())
+        columns = (repeat(None) if channel is None else channel.tolist() for channel in self.channels)
+        return map(encode, map(Sample, repeat(self.boot), count(), self.micros.tolist(), *columns))
 
 
 @dataclass(frozen=True)
@@ -151,10 +147,6 @@ class SimulatedRig:
         displacement = _whole(tools.encoder.read(truth, times_s), 1e6)
         stamps = (_whole(times_s, 1e6) + micros) % MICROS_WRAP
         return Readings(boot, stamps, displacement, force, resistance, temperature)
-
-    def samples(self) -> Iterator[Sample]:
-        """The device's samples, in order."""
-        return self.readings().samples()
 
     def lines(self) -> Iterator[bytes]:
         """The samples as lines of the wire protocol."""

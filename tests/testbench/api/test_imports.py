@@ -48,6 +48,12 @@ def test_the_studio_listens_before_it_imports_what_computes():
     assert not seen & {"scipy", "numba", "pandas", "matplotlib", "sklearn"}
 
 
+def test_a_recorder_opens_its_port_before_it_imports_what_computes():
+    """It imported SciPy and numba for a bound of something else: two seconds in which nothing was recorded."""
+    seen = modules_after("import testbench.api.bench.capturing, testbench.api.bench.serving")
+    assert not seen & {"scipy", "numba", "pandas", "matplotlib", "sklearn"}
+
+
 @pytest.mark.parametrize("package", ["testbench", "gcode", "compensation"])
 def test_every_public_name_is_there(package):
     module = importlib.import_module(package)

@@ -20,6 +20,7 @@ ODD = [
     ({"max_force_N": "5"}, "max_force_N must be a number, got '5'"),
     ({"max_force_N": -5}, "max_force_N must be a positive number, got -5; leave it out where there is no limit"),
     ({"max_strain": float("nan")}, "max_strain must be a positive number, got nan"),
+    ({"max_strain": 30}, "max_strain must be at most 10, got 30; 0.3 stands for 30 %"),
     ({"give_up_s": "x"}, "give_up_s must be a number of 0 or more, got 'x'"),
     ({"baud": "x"}, "baud must be a whole number, 1 or more, got 'x'"),
     ({"specimen": 3}, "specimen must be of the class str, got int"),

@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
+import contextlib
 import multiprocessing
 import os
 import subprocess
 import sys
+import tempfile
 import threading
 import time
+from collections.abc import Callable
 from itertools import pairwise
+from multiprocessing import reduction
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from testbench.cli import main
 from testbench.rig.protocol.wire import MICROS_WRAP, Sample, encode
 from testbench.rig.simulation.pty_port import PtyPort
 
 MAIN = "import sys; from testbench.cli import main; sys.exit(main())"
-CHILDREN: list[subprocess.Popen] = []
+CHILDREN: list[subprocess.Popen | Forked] = []
 # A server that has imported everything once: a process from it starts in milliseconds, and dies like any other.
 FORKS = multiprocessing.get_context("forkserver")
 FORKS.set_forkserver_preload(
-    ["testbench.campaigns.record", "testbench.commands.record", "tests.testbench.rig.devices"]
+    ["testbench.api.bench.capturing", "testbench.api.bench.serving", "tests.testbench.rig.devices"]
 )
 BOOT = 0xC0FFEE01
 # Starts shortly before a wrap: every test that runs longer than 2 s sees one.
@@ -85,18 +89,76 @@ class Device:
             self.sent.append(Sent(time.monotonic(), sample, heard))
 
 
-def recorder(folder: Path, port: str, program: Path, *more: str, **popen) -> subprocess.Popen:
-    """``testbench record`` as a child process."""
-    words = ["record", "--port", port, "--program", str(program), "-o", str(folder), *more]
-    return command(*words, **popen)
+class Handle:
+    """An open file on its way into a forked process."""
+
+    def __init__(self, number: int) -> None:
+        self.number = number
+
+    def __reduce__(self):
+        return _arrived, (reduction.DupFd(self.number),)
 
 
-def forked_recorder(folder: Path, port: str, program: Path, *more: str) -> multiprocessing.process.BaseProcess:
-    """``testbench record`` as a process that starts at once."""
-    words = ["record", "--port", port, "--program", str(program), "-o", str(folder), "--progress-json", *more]
-    child = FORKS.Process(target=main, args=(words,), daemon=True)
-    child.start()
-    return child
+def _arrived(handle) -> int:
+    return handle.detach()
+
+
+class Forked:
+    """A `testbench` command in a process of its own that starts at once and dies like any other; used as a `Popen`.
+
+    What its streams are not given to, `communicate` returns. `before` is called first.
+    """
+
+    def __init__(
+        self, *words: str, stdout: int | None = None, stderr: int | None = None, before: Callable[[], None] = int
+    ) -> None:
+        self._kept = [tempfile.TemporaryFile("w+") for _ in range(2)]  # noqa: SIM115
+        self._said: list[str] = []
+        given = (stdout, stderr)
+        handles = [Handle(kept.fileno() if one is None else one) for one, kept in zip(given, self._kept, strict=True)]
+        self._process = FORKS.Process(target=_command, args=(words, handles, before), daemon=True)
+        self._process.start()
+        self.kill = self._process.kill
+        CHILDREN.append(self)
+
+    @property
+    def returncode(self) -> int | None:
+        return self._process.exitcode
+
+    poll = returncode.fget
+
+    def send_signal(self, number: int) -> None:
+        os.kill(self._process.pid, number)
+
+    def communicate(self, timeout: float | None = None) -> tuple[str, str]:
+        self._process.join(timeout)
+        assert self.returncode is not None, "waited too long"
+        for kept in self._kept:
+            with kept:
+                kept.seek(0)
+                self._said.append(kept.read())
+        self._kept = []
+        return self._said[0], self._said[1]
+
+
+def _command(words: tuple[str, ...], handles: list[int], before: Callable[[], None]) -> None:
+    for number, handle in enumerate(handles, start=1):
+        os.dup2(handle, number)
+        os.close(handle)
+    sys.stdout, sys.stderr = os.fdopen(1, "w"), os.fdopen(2, "w")  # those that are there were made for other files
+    before()
+    code = main(words)
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError):  # as Python does when it ends
+            stream.flush()
+    os._exit(code)
+
+
+def recorder(
+    folder: Path, port: str, program: Path, *more: str, start: Callable[..., Any] = Forked, **streams
+) -> Any:
+    """``testbench record`` as a child process, forked or from the beginning (`command`)."""
+    return start("record", "--port", port, "--program", str(program), "-o", str(folder), *more, **streams)
 
 
 class Witness:
@@ -152,8 +214,7 @@ def until(condition, child=None, timeout_s: float = PATIENCE_S) -> None:
     """Wait for something that another process does; fail loudly if it never does."""
     end_s = time.monotonic() + timeout_s
     while not condition():
-        if isinstance(child, subprocess.Popen) and child.poll() is not None:
+        if child is not None and child.poll() is not None:
             raise AssertionError(f"the child ended: {child.communicate()}")
-        assert not isinstance(child, multiprocessing.process.BaseProcess) or child.is_alive(), "the child ended"
         assert time.monotonic() < end_s, "waited too long"
         time.sleep(0.01)

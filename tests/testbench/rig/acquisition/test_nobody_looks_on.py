@@ -10,11 +10,11 @@ import pytest
 
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems
-from tests.testbench.rig.devices import PATIENCE_S, Device, recorder, until
+from tests.testbench.rig.devices import PATIENCE_S, Device, command, recorder, until
 from tests.testbench.rig.rigs import program
 
 PIPE_BYTES = 4096  # the smallest that a pipe can be made
-ROWS = 400  # 2 s: four reports
+ROWS = 200  # 1 s: a report that nobody takes, and another one
 
 
 def rows(folder):
@@ -72,7 +72,8 @@ def test_a_stream_that_was_closed_is_not_a_file_of_the_recording(tmp_path):
             os.close(number)
 
     with Device(tmp_path / "port") as device:
-        child = recorder(folder, device.port.name, wish, stdout=None, stderr=None, preexec_fn=without_streams)
+        streams = {"stdout": None, "stderr": None, "preexec_fn": without_streams}
+        child = recorder(folder, device.port.name, wish, start=command, **streams)
         until(lambda: rows(folder) > 20, child)
         opened = {number: os.readlink(f"/proc/{child.pid}/fd/{number}") for number in (0, 1, 2)}
         child.send_signal(signal.SIGTERM)

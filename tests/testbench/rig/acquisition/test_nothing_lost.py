@@ -28,7 +28,7 @@ from testbench.rig.protocol.stream import Intake
 from testbench.rig.protocol.wire import MICROS_WRAP
 from testbench.rig.simulation.faults import faulty
 from testbench.rig.simulation.pty_port import PtyPort
-from tests.testbench.rig.devices import PATIENCE_S, Device, Witness, command, forked_recorder, recorder, until
+from tests.testbench.rig.devices import PATIENCE_S, Device, Forked, Witness, recorder, until
 from tests.testbench.rig.rigs import program, rig
 
 SETTLING_S = 0.25  # pyserial empties the input buffer when it opens a port
@@ -69,17 +69,17 @@ def killed_again_and_again(folder: Path, device: Device, wish: Path, kills: int,
         for _ in range(kills):
             before = rows_of(folder)
             resume = ["--resume"] if (folder / "datapackage.json").exists() else []
-            child = forked_recorder(folder, device.port.name, wish, *resume)
+            child = recorder(folder, device.port.name, wish, *resume)
             in_start = chance.random() < 0.2
             if not in_start:
                 until(lambda before=before: len(rows_of(folder)) > len(before), child)
                 now = len(device.sent)
                 until(lambda now=now: number_of(rows_of(folder)[-1]) >= now, child)
-            running_s = time.monotonic()
-            time.sleep(chance.uniform(0.0, 1.0))
+            running_s, now = time.monotonic(), len(device.sent) + round(200 * chance.random())
+            until(lambda now=now: len(device.sent) >= now)
             killed_s = time.monotonic()
             child.kill()
-            child.join()
+            child.communicate()
             until(lambda: not device.port.has_reader())
             rows = rows_of(folder)
             assert rows[: len(before)] == before, "what an earlier recorder wrote is not there any more"
@@ -242,14 +242,14 @@ def test_a_slow_disk_does_not_make_the_wire_wait(tmp_path, monkeypatch):
     assert done[0].lost == 0
 
 
+def small_files() -> None:
+    resource.setrlimit(resource.RLIMIT_FSIZE, (8_000, 8_000))
+
+
 def test_a_full_disk_ends_the_recording_with_a_sentence_and_a_readable_file(tmp_path):
     wish = program(tmp_path)
-
-    def small_files():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (8_000, 8_000))
-
     with Device(tmp_path / "port") as device:
-        child = recorder(tmp_path / "c", device.port.name, wish, "--give-up-s", "0.5", preexec_fn=small_files)
+        child = recorder(tmp_path / "c", device.port.name, wish, "--give-up-s", "0.5", before=small_files)
         _, err = child.communicate(timeout=PATIENCE_S)
         assert child.returncode == 1
         assert "disk full" in err
@@ -262,7 +262,7 @@ def test_the_rig_command_and_the_record_command_speak_to_each_other(tmp_path):
     (tmp_path / "model.json").write_text(json.dumps(baseline().to_dict()))
     wish, link = program(tmp_path), tmp_path / "port"
     words = ["--model", str(tmp_path / "model.json"), "--program", str(wish), "--speed", "20", "--faults", "0.05"]
-    bench = command("rig", *words, "--link", str(link))
+    bench = Forked("rig", *words, "--link", str(link))
     until(link.exists, bench)
     child = recorder(tmp_path / "c", str(link), wish, "--progress-json")
     out, err = child.communicate(timeout=PATIENCE_S)

@@ -80,6 +80,18 @@ def test_a_stage_that_never_stands_still_is_not_waited_for_for_ever(job, tmp_pat
     assert status.time_s == pytest.approx(2 * planned_s, abs=3.0)
 
 
+def test_an_end_before_the_planned_way_was_seen_is_said(job, tmp_path):
+    """The stage is moved by hand and stands until the planned time is over: that was called complete in silence."""
+    planned_s = played(job.program)[0].duration_s
+    time_s = np.arange(round(3 * planned_s * SIMULATED_HZ)) / SIMULATED_HZ
+    lines = SimulatedRig(baseline(), Motion(time_s, np.minimum(time_s, 1.0)), 25.0, 1).lines()
+    status = recorded(job, tmp_path / "c", in_memory(lines))
+    assert (status.state, events(tmp_path / "c")[-1]["message"]) == ("complete", status.message)
+    assert status.message == "the stage was seen to come 1.0 mm of the planned 20.0 mm: was all of it recorded?"
+    whole = recorded(job, tmp_path / "whole", in_memory(bench_lines(job, hold_s=60)))
+    assert whole.message == ""
+
+
 def test_the_clock_of_the_end_waits_for_the_machine(job):
     motion = played(job.program)[0]
     ending = EndOfMotion.of(motion)
@@ -95,7 +107,7 @@ def test_force_beyond_the_limit_stops_with_an_alarm_that_is_marked(job, tmp_path
     strict = Job(job.port, job.baud, job.program, 25.0, Limits(max_force_N=0.6))
     status = recorded(strict, tmp_path / "c", in_memory(bench_lines(job), size=1))
     assert status.state == "alarm"
-    assert "--max-force-n 0.6" in status.message
+    assert "is beyond the limit of 0.6 N" in status.message
     recording = read_recording(tmp_path / "c")
     assert recording.metadata["status"] == "alarm"
     assert recording["force_N"][-1] > 0.6 >= recording["force_N"][:-1].max()
@@ -107,7 +119,7 @@ def test_a_force_limit_without_a_force_to_watch_is_an_alarm_at_once(job, tmp_pat
     mute = [encode(decode(line.rstrip())._replace(force_uN=None)) for line in bench_lines(job)]
     status = recorded(strict, tmp_path / "c", in_memory(mute))
     assert (status.state, status.samples) == ("alarm", 1)
-    assert "the device sends no force, so --max-force-n 20 cannot be watched" in status.message
+    assert "the device sends no force, so the limit of 20 N cannot be watched" in status.message
     assert recorded(job, tmp_path / "without", in_memory(mute)).state == "complete"
 
 
