@@ -40,6 +40,7 @@ def axis(title: str = "", **more: Any) -> dict[str, Any]:
         "tickfont": {"size": 11, "color": MUTED},
         "automargin": True,
         "exponentformat": "power",  # no "500µ" beside "0.001"
+        "minexponent": 4,  # a day has 86400 s, not 8.64·10⁴
         **more,
     }
 
