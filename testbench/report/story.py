@@ -88,7 +88,7 @@ class Story:
         if len(self.steps) < 2 or not self.from_file:
             return asked or "One model, fitted; no effect has been added yet."
         first, now = self.steps[0], self.steps[-1]
-        added = ", ".join(words.spoken(step.label.removeprefix("+ ")) for step in self.steps[1:])
+        added = words.listed([words.spoken(step.label.removeprefix("+ ")) for step in self.steps[1:]])
         gained = f"With {added} {words.error_fall(first.errors, now.errors)}."
         return f"{gained} {asked}".strip() if last and not self.has_taken(last) else gained
 

@@ -104,10 +104,6 @@ def align(
     gauge_length_mm : float, optional
         In mm, for the path of a bare CSV.
 
-    Returns
-    -------
-    AlignmentResult
-
     Raises
     ------
     UserError

@@ -150,10 +150,6 @@ def run(
     report : callable
         Called with a `testbench.rig.acquisition.recorder.Status` while it runs and at the end.
 
-    Returns
-    -------
-    RunResult
-
     Raises
     ------
     UserError

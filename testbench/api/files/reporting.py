@@ -110,10 +110,6 @@ def make_report(
     resistance : bool
         Show the resistance in kΩ wherever the conductance would be.
 
-    Returns
-    -------
-    ReportResult
-
     Raises
     ------
     UserError

@@ -130,10 +130,6 @@ def verify(
     report : callable
         Called with each campaign as soon as it is checked.
 
-    Returns
-    -------
-    VerifyResult
-
     Raises
     ------
     UserError

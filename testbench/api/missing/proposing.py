@@ -167,10 +167,6 @@ def propose(
     progress : callable or bool, optional
         See `testbench.api.progress.telling`.
 
-    Returns
-    -------
-    ProposalResult
-
     Raises
     ------
     UserError

@@ -46,10 +46,6 @@ def add(
     progress : callable or bool, optional
         See `testbench.api.progress.telling`.
 
-    Returns
-    -------
-    FitResult
-
     Raises
     ------
     UserError

@@ -129,10 +129,6 @@ def fit(
     progress : callable or bool, optional
         See `testbench.api.progress.telling`.
 
-    Returns
-    -------
-    FitResult
-
     Raises
     ------
     UserError

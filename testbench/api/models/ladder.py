@@ -97,10 +97,6 @@ def ladder(model: AnyModel, effects: Effects = None) -> Ladder:
     effects : path, Catalogue or effect classes, optional
         The user's own effects that it uses.
 
-    Returns
-    -------
-    Ladder
-
     Raises
     ------
     UserError

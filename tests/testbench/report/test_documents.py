@@ -177,7 +177,7 @@ def test_each_step_has_the_diagnosis_that_led_to_it(tmp_path: Path) -> None:
     taken = samples.diagnosis() | {"history": fitted["history"]}
     taken["model_after"] = {name: fitted[name] for name in ("format", "version", "effects")}
     taken["ranking"][0]["law"] = "hysteresis"  # it is in the model
-    fitted["history"].append(fitted["history"][0] | {"step": "+ hysteresis"})
+    fitted["history"] += [fitted["history"][0] | {"step": f"+ {law}"} for law in ("hysteresis", "drift")]
     model.write_text(json.dumps(fitted))
     open_still = samples.diagnosis("nothing_missing")
     names = []
@@ -189,7 +189,7 @@ def test_each_step_has_the_diagnosis_that_led_to_it(tmp_path: Path) -> None:
     page = Path(output).read_text()
     assert "Why stress relaxation was added" in page
     assert "What is missing now" in page
-    assert "With hysteresis the held-out error of the force goes from" in page
+    assert "With hysteresis and drift the held-out error of the force goes from" in page
     assert "Nothing is missing that these recordings could show (92 %)." in page
     assert 'id="candidates"' in page
     assert 'id="candidates-2"' in page
