@@ -9,7 +9,7 @@ from typing import Any
 from gcode.support import html
 from testbench.report import style
 from testbench.report.document import Facts, Item, Picture, Report, Section, Table
-from testbench.report.writing.packing import plotly_path, to_json
+from testbench.report.writing.packing import plotly_js, to_json
 
 CONTENT_POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
 
@@ -38,7 +38,7 @@ def to_html(report: Report) -> str:
 {"".join(_item(item) for item in report.opening)}
 <nav class="contents" aria-label="Contents">{links}</nav></header>
 <main>{body}<footer>{escape(report.footer)}</footer></main>
-<script>{plotly_path().read_text("utf-8")}</script>
+<script>{plotly_js()}</script>
 <script type="application/json" id="figures">{_for_script(to_json(figures))}</script>
 <script>{own.joinpath("narrow.js").read_text("utf-8")}</script>
 <script>{own.joinpath("page.js").read_text("utf-8")}</script>

@@ -6,6 +6,7 @@ import itertools
 import re
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import plotly.graph_objects
@@ -31,7 +32,7 @@ from testbench.report.figures import (
 )
 from testbench.report.figures.thumbnail import thumbnail
 from testbench.report.style import Figure
-from testbench.report.writing.static import draw
+from testbench.report.writing.static import draw, write_figure
 
 
 def residual_and_contribution():
@@ -229,6 +230,18 @@ def test_the_window_to_look_at_is_where_the_first_model_is_worst() -> None:
     start_s, end_s = comparison_figures.busiest_window(both, 10.0)
     assert start_s <= both.time_s[1100]
     assert end_s >= both.time_s[1000]
+
+
+def test_samples_that_lie_far_apart_are_seen_as_dots(tmp_path: Path) -> None:
+    """Of a relaxation of 30 min that was sampled ever more rarely the last 23 min stayed blank."""
+    time_s = np.concatenate([np.arange(0, 60, 0.1), np.arange(60, 120, 5.0)])
+    rare = Recording(time_s, {"displacement_mm": np.ones(len(time_s)), "force_N": 2 / (1 + time_s)}, 25.0, "rare.csv")
+    figure = recording_figures.time_series(rare)
+    force = figure["data"][1]
+    dots = force["marker"]["size"] > 0
+    assert force["x"][dots].tolist() == time_s[-11:].tolist()
+    write_figure(figure, tmp_path / "rare.png")
+    assert "marker" not in recording_figures.time_series(samples.recording())["data"][1]
 
 
 def test_a_day_of_a_hold_is_told_in_hours_and_its_noise_drawn_as_a_line() -> None:
