@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from testbench.comparing.cell import Cell
-from testbench.comparing.compare import Comparison
 from testbench.comparing.numbers import over_noise, plain
 from testbench.recordings.manifest import CSV
 from testbench.recordings.recording import Recording
@@ -26,6 +24,10 @@ from testbench.report.figures import (
 from testbench.report.figures.comparison_figures import Overlay
 from testbench.report.figures.ladder_figures import Step
 from testbench.report.words import PANEL_UNITS
+
+if TYPE_CHECKING:
+    from testbench.comparing.cell import Cell
+    from testbench.comparing.compare import Comparison
 
 
 def recording_section(recording: Recording, title: str, key: str, resistance: bool = False) -> Section:

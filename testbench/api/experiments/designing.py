@@ -158,7 +158,7 @@ def next_experiment(
     Examples
     --------
     >>> import testbench as tb
-    >>> recording = tb.example(tb.effects.StressRelaxation(fraction=0.3))
+    >>> recording = tb.example(tb.effects.StressRelaxation(fraction=0.3), duration_s=60)
     >>> base = tb.fit(recording, progress=False)
     >>> other = tb.fit(recording, model=base.model + tb.effects.StressRelaxation(), progress=False)
     >>> plan = tb.next_experiment([base, other], bounds={"duration_s": 120}, progress=False)

@@ -1,6 +1,6 @@
 """The public functions, their examples and the commands share one diagnosis.
 
-It chooses among a few mechanisms: what is tried here is how it is asked and told, not how it chooses.
+It chooses among one law each of a few mechanisms: what is tried here is how it is asked and told, not how it chooses.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ MECHANISMS = ("stress_relaxation", "load_cell_creep", "permanent_set", "mullins_
 
 @wraps(diagnose)
 def among_few(*args: Any, **kwargs: Any) -> Diagnosis:
-    """As `diagnose`, of one base and of a few mechanisms."""
+    """As `diagnose`, of one base and of one law each of a few mechanisms."""
     asked = inspect.signature(diagnose).bind(*args, **kwargs).arguments
     every = asked["catalogue"].effects
     few = {
         name: law
         for name, law in every.items()
-        if law.mechanism in MECHANISMS or (law.in_base and name in (law.mechanism, *BASELINE))
+        if name in (law.mechanism, *BASELINE) and (law.in_base or name in MECHANISMS)
     }
     return diagnose(**{**asked, "catalogue": Catalogue(few)})
 
