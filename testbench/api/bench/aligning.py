@@ -104,6 +104,10 @@ def align(
     gauge_length_mm : float, optional
         In mm, for the path of a bare CSV.
 
+    Returns
+    -------
+    AlignmentResult
+
     Raises
     ------
     UserError

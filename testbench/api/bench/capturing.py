@@ -91,6 +91,10 @@ def record(
     stopped : callable, optional
         Asked whether to end early. Default: Ctrl-C (SIGINT, SIGTERM, SIGHUP) ends the recording well.
 
+    Returns
+    -------
+    RecordResult
+
     Raises
     ------
     UserError
@@ -140,6 +144,10 @@ def resume_recording(
         Where the device is now; default: where it was.
     give_up_s, compensator, report, stopped
         As for `record`.
+
+    Returns
+    -------
+    RecordResult
 
     Raises
     ------

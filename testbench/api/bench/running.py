@@ -150,6 +150,10 @@ def run(
     report : callable
         Called with a `testbench.rig.acquisition.recorder.Status` while it runs and at the end.
 
+    Returns
+    -------
+    RunResult
+
     Raises
     ------
     UserError

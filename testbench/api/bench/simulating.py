@@ -82,6 +82,10 @@ def example(*effects: Effect, seed: int = 1, duration_s: float = EXAMPLE_S) -> R
     duration_s : float
         Of the motion; the way back to zero comes after it.
 
+    Returns
+    -------
+    Recording
+
     Examples
     --------
     >>> import testbench as tb

@@ -150,6 +150,10 @@ def next_experiment(
     progress : callable or bool, optional
         See `testbench.api.progress.telling`.
 
+    Returns
+    -------
+    NextExperiment
+
     Raises
     ------
     UserError

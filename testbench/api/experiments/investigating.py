@@ -118,6 +118,10 @@ def investigate(
     status, stopped : callable, optional
         Called with the progress of a recording; asked whether to end early.
 
+    Returns
+    -------
+    InvestigationResult
+
     Raises
     ------
     UserError

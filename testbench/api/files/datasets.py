@@ -101,6 +101,10 @@ def dataset(
         Called with how many campaigns are done and how many there are; None or True shows a line where somebody
         watches, False nothing.
 
+    Returns
+    -------
+    DatasetResult
+
     Raises
     ------
     UserError

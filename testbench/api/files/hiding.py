@@ -119,6 +119,10 @@ def hide(
     channels : str or sequence of str
         Which of ``force_N``, ``resistance_ohm`` are recorded.
 
+    Returns
+    -------
+    HiddenCase
+
     Raises
     ------
     UserError

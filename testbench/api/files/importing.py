@@ -145,6 +145,10 @@ def import_file(path: str | Path, wish: Wish | None = None, *, gauge_length_mm: 
         Length between the clamps at rest, in mm; needed where the file has a displacement or strain and `wish` does
         not say it.
 
+    Returns
+    -------
+    ImportResult
+
     Raises
     ------
     UserError

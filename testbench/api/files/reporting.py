@@ -110,6 +110,10 @@ def make_report(
     resistance : bool
         Show the resistance in kΩ wherever the conductance would be.
 
+    Returns
+    -------
+    ReportResult
+
     Raises
     ------
     UserError

@@ -130,6 +130,10 @@ def verify(
     report : callable
         Called with each campaign as soon as it is checked.
 
+    Returns
+    -------
+    VerifyResult
+
     Raises
     ------
     UserError

@@ -126,6 +126,10 @@ def contribution(
     gauge_length_mm : float, optional
         In mm, for paths of bare CSV files.
 
+    Returns
+    -------
+    ContributionResult
+
     Raises
     ------
     UserError

@@ -129,6 +129,10 @@ class DiagnosisResult(ModelResult):
         ----------
         axes : Axes, optional
             Where to draw; default: a new figure.
+
+        Returns
+        -------
+        Axes
         """
         (axis,) = panels(axes, 1)
         shown = list(self.probabilities.items())[:SHOWN]
@@ -185,6 +189,10 @@ def diagnose(
         default it is of a fresh one.
     progress : callable or bool, optional
         See `testbench.api.progress.telling`.
+
+    Returns
+    -------
+    DiagnosisResult
 
     Raises
     ------

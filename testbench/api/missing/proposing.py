@@ -167,6 +167,10 @@ def propose(
     progress : callable or bool, optional
         See `testbench.api.progress.telling`.
 
+    Returns
+    -------
+    ProposalResult
+
     Raises
     ------
     UserError

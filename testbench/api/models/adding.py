@@ -46,6 +46,10 @@ def add(
     progress : callable or bool, optional
         See `testbench.api.progress.telling`.
 
+    Returns
+    -------
+    FitResult
+
     Raises
     ------
     UserError

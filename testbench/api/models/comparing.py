@@ -167,6 +167,10 @@ def compare(
         Where the sensor was clamped anew for this recording: by how much, in mm, the zero of its displacement may
         have moved (standard deviation). Default: the zero that `fit` found, on the held-out recording of the model.
 
+    Returns
+    -------
+    ComparisonResult
+
     Raises
     ------
     UserError

@@ -129,6 +129,10 @@ def fit(
     progress : callable or bool, optional
         See `testbench.api.progress.telling`.
 
+    Returns
+    -------
+    FitResult
+
     Raises
     ------
     UserError

@@ -97,6 +97,10 @@ def ladder(model: AnyModel, effects: Effects = None) -> Ladder:
     effects : path, Catalogue or effect classes, optional
         The user's own effects that it uses.
 
+    Returns
+    -------
+    Ladder
+
     Raises
     ------
     UserError
