@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from testbench.commands._arguments import positive
-from testbench.commands._sensors import add_simulation_arguments
+from testbench.commands._arguments import add_simulation_arguments, positive
 
 SUMMARY = "put the simulated rig behind a serial port (a pseudo-terminal) and print the port"
 EXAMPLE = """testbench rig --sensor pes --program program.tap --link /tmp/rig &

@@ -5,8 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from testbench.commands._arguments import positive
-from testbench.commands._sensors import add_simulation_arguments
+from testbench.commands._arguments import add_simulation_arguments, positive
 
 SUMMARY = "run a program on the simulated rig and write a campaign folder"
 EXAMPLE = "testbench run --sensor pes --program program.tap --seed 1 -o pes-1"

@@ -76,6 +76,11 @@ class Comparison(Unchanging):
         return {channel: over_noise(rms, self.noise_floor[channel]) for channel, rms in self.rms.items()}
 
     @property
+    def noise_reached(self) -> list[str]:
+        """The channels in which nothing but noise is left."""
+        return [channel for channel, times in self.over_noise.items() if times <= NOISE_REACHED]
+
+    @property
     def places(self) -> tuple[str, ...]:
         """The worst places, a sentence each; where there is none, why."""
         quick = {channel: over_noise(rms, self.noise_floor[channel]) for channel, rms in self.quick.items()}
@@ -130,7 +135,7 @@ def compare(model: KnitModel, measurement: Measurement, free_offset: bool = Fals
             counting = counting - counting.mean()
         quick[channel] = float(max(errors[channel] ** 2 - np.mean(counting**2), 0.0)) ** 0.5
         maps[channel] = residual_maps(counting, where)
-        if errors[channel] > NOISE_REACHED * floors[channel]:
+        if over_noise(errors[channel], floors[channel]) > NOISE_REACHED:
             places += _places(channel, maps[channel], counting, _size_of(measurement, channel))
     worst = _distinct(sorted(places, key=lambda place: -place.share_of_error))
     return Comparison(errors, floors, quick, maps, tuple(worst))

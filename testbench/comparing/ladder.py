@@ -116,12 +116,6 @@ def continued(mine: ModelFile, found: ModelFile) -> ModelFile:
     return replace(found, history=(*_with_fit(mine), *found.history[1:]))
 
 
-def step_before(diagnosis: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The step that the candidates of a diagnosis were weighed against: the last before anything found was put in."""
-    history = diagnosis["history"]
-    return history[max(len(history) - len(diagnosis["found"]), 1) - 1]
-
-
 def undo(file: ModelFile, catalogue: Catalogue) -> ModelFile:
     """Take the last step back.
 

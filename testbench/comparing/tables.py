@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 from testbench.comparing.clamping import Zero
 from testbench.comparing.compare import Comparison
 from testbench.comparing.model_errors import channel_name
+from testbench.comparing.words import events_in_words
 from testbench.measurements.responses import UNIT_OF
 from testbench.results.model_file import ModelFile
 
@@ -17,7 +18,8 @@ STEP_WIDTH = 34  # of the ladder's first column, if no step needs more
 def fit_table(file: ModelFile) -> str:
     """Parameters with their standard errors, and plain words on what cannot be trusted."""
     fit = file.fit
-    vectors = {address.partition("[")[0] for address in fit["parameters"] if "[" in address}
+    vectors = {address.partition("[")[0]: "(shape weights)" for address in fit["parameters"] if "[" in address}
+    vectors |= events_in_words(file.model, fit["parameters"])
     rows = []
     for address, entry in fit["parameters"].items():
         if "[" in address:
@@ -25,12 +27,12 @@ def fit_table(file: ModelFile) -> str:
         # Where a bound holds a parameter, nothing is known of its error.
         error = "" if address in fit["at_bound"] else f"± {entry['standard_error']:.2g}"
         rows.append(f"  {address:<38} {entry['value']:>12.5g} {error:<12} {entry['unit']}")
-    rows += [f"  {name:<38} (shape weights)" for name in sorted(vectors)]
-    scalar = [name for name in fit["unidentified"] if "[" not in name]
-    if fit["at_bound"]:
-        rows.append(f"  at a bound (the law may not fit): {', '.join(fit['at_bound'])}")
-    if scalar:
-        rows.append(f"  this recording cannot tell: {', '.join(scalar)}")
+    rows += [f"  {name:<38} {words}" for name, words in sorted(vectors.items())]
+    bound, untold = ([name for name in fit[key] if "[" not in name] for key in ("at_bound", "unidentified"))
+    if bound:
+        rows.append(f"  at a bound (the law may not fit): {', '.join(bound)}")
+    if untold := [name for name in untold if name not in bound]:
+        rows.append(f"  this recording cannot tell: {', '.join(untold)}")
     for first, second, value in fit["correlated"][:3]:
         rows.append(f"  hardly told apart: {first} and {second} (correlation {value:+.2f})")
     return "\n".join(rows)

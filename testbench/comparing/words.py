@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from testbench.comparing.cell import HOLD_RATE, Cell
-from testbench.comparing.numbers import over_noise, span
+from testbench.comparing.numbers import over_noise, plain, span, with_error
+
+if TYPE_CHECKING:
+    from testbench.knit.model import KnitModel
 
 DOING = {1: " while stretching", -1: " while releasing", 0: ""}
 NOISE_REACHED = 1.1  # an error of at most this many noise floors is noise: nothing is left to be pointed at
@@ -97,3 +101,29 @@ def percent(share: float) -> str:
     if share < 0.01:
         return "< 1 %"
     return "> 99 %" if share > 0.99 else f"{100 * share:.0f} %"
+
+
+def events_in_words(model: KnitModel, fitted: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
+    """What effects do at moments of their own, such as slips: how much, and when; by the address of its sizes.
+
+    Those that their errors do not tell from none are left out.
+
+    Parameters
+    ----------
+    model : KnitModel
+    fitted : mapping of address to mapping
+        ``parameters`` of its fit.
+    """
+    found = {}
+    for name, effect in model.effects.items():
+        address = f"{name}.{effect.strength}"
+        moments_s = [getattr(effect, key) for key in effect.jumps if isinstance(getattr(effect, key), tuple)]
+        if moments_s and f"{address}[0]" in fitted:
+            sizes = [fitted[f"{address}[{n}]"] for n in range(len(moments_s[0]))]
+            told = [
+                f"{with_error(size['value'], size['standard_error'], size['unit'])} at {plain(when_s, 4)} s"
+                for when_s, size in sorted(zip(moments_s[0], sizes, strict=True), key=lambda one: one[0])
+                if size["value"] > 2 * size["standard_error"]
+            ]
+            found[address] = "; ".join(told) or "none"
+    return found

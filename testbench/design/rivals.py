@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from gcode.support.errors import UserError
-from testbench.comparing.ladder import step_before
+from testbench.comparing.carried_over import step_before
 from testbench.design.imitation import Rival
 from testbench.diagnosis.adding import add_effect
 from testbench.knit.catalogue import Catalogue, model_from_dict
@@ -76,7 +76,7 @@ def rivals_from_diagnosis(
 
 def _base(data: Mapping[str, Any], catalogue: Catalogue, source: str, gauge_length_mm: float) -> ModelFile:
     """The model as it was before anything that was found was put in."""
-    before = step_before(data)
+    before = step_before(data["history"], len(data["found"]))
     model = model_from_dict(before["model"], catalogue, source)
     return ModelFile(model, gauge_length_mm, history=(before,))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from gcode.support.errors import UserError
+from gcode.support.kinds import number
 from testbench.diagnosis.conclusion import concluded
 from testbench.diagnosis.result import Diagnosis
 from testbench.diagnosis.searching.search import Progress, searched
@@ -70,6 +71,23 @@ def diagnose(
     return concluded(search, rounds, put_in, calibration, held, given)
 
 
+def rest_between(recordings: int, rest_s: float | None) -> float | None:
+    """The rest in s before each of so many recordings but the first, and before what is held out; as said, or usual.
+
+    None where there is none: what is held out of one recording is of a fresh specimen.
+
+    Raises
+    ------
+    UserError
+        If it is no number, or none that a specimen rests.
+    """
+    if rest_s is None:
+        return REST_S if recordings > 1 else None
+    if not 0 < number("rest_s", rest_s) < MOST_REST_S:
+        raise UserError(f"rest_s: must be more than 0 and less than {MOST_REST_S:g} s, got {rest_s:g}")
+    return rest_s
+
+
 def calibration_and_held_out(
     recordings: Sequence[Recording],
     held_out: Recording | None,
@@ -81,14 +99,12 @@ def calibration_and_held_out(
     What is held out comes after several recordings, and after one where the rest before it was given.
     """
     calibration, held = split(recordings[0], held_out, clamp_play_mm=clamp_play_mm)
-    if len(recordings) == 1 and rest_s is None:
+    rest_s = rest_between(len(recordings), rest_s)
+    if rest_s is None:
         return calibration, held
     if held_out is None:
         why = "several recordings are one history" if len(recordings) > 1 else "a rest comes before another recording"
         raise UserError(f"{why}: give another one to judge on as `held_out`")
-    rest_s = REST_S if rest_s is None else rest_s
-    if not 0 < rest_s < MOST_REST_S:
-        raise UserError(f"rest_s: must be more than 0 and less than {MOST_REST_S:g} s, got {rest_s:g}")
     rests_s = [rest_s] * len(recordings)
     calibration = joined(recordings, rests_s[1:], clamp_play_mm)
     if calibration.channels != held.channels:

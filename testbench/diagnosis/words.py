@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from testbench.comparing.ladder import step_before
+from testbench.comparing.carried_over import CLEARLY, changed, fails_elsewhere
 from testbench.comparing.tables import ladder_table
 from testbench.comparing.words import listed, percent, percent_left, spoken, still_off
 from testbench.diagnosis.judging.probabilities import NOTHING, UNKNOWN
@@ -10,13 +10,12 @@ from testbench.diagnosis.judging.weighing import LEFT_AT_MOST
 from testbench.diagnosis.result import Diagnosis, Ranked
 
 SHOWN = 6
-WORTH_SAYING = 0.8  # of the error that a law leaves: what leaves more is not near
-FAILS = 3.0  # times the calibration error, held out
 
 
 def diagnosis_table(diagnosis: Diagnosis) -> str:
     """What was found and how sure that is, the ranking, and the fall of the error."""
-    title = f"{'rank':<6}{'effect':<26}{'law':<34}{'probability':>11}{'log evidence':>14}  held-out error left (95 %)"
+    title = f"{'rank':<6}{'effect':<26}{'law':<34}{'probability':>11}{'log evidence':>14}  held-out error left"
+    title += ", mean of the channels (95 %)" if len(diagnosis.error_before) > 1 else " (95 %)"
     lines = [first_line(diagnosis), "", title]
     for place, entry in enumerate(diagnosis.ranking[:SHOWN], 1):
         numbers = f"{percent(entry.probability):>11}{entry.log_evidence:>9.1f} nats  {_error_left(entry)}"
@@ -70,7 +69,7 @@ def _depends(diagnosis: Diagnosis) -> str:
 
 def _nearest(first: Ranked) -> str:
     """What is said of the most probable law where none is probable: it may be a part of the answer."""
-    if first.held_out_gain is None or first.left > WORTH_SAYING:
+    if first.held_out_gain is None or first.left > CLEARLY:
         return ""
     return f". The nearest is {spoken(first.effect)} ({first.law}), which would leave {_share(first.left)}"
 
@@ -78,37 +77,18 @@ def _nearest(first: Ranked) -> str:
 def _held_out(diagnosis: Diagnosis) -> str:
     """What is said where the held-out error is not what the first words promise."""
     off = still_off(diagnosis.error_after, diagnosis.noise_floor)
-    return _elsewhere(diagnosis) or (f"; but {off}: see `testbench compare`" if off else "")
-
-
-def _elsewhere(diagnosis: Diagnosis) -> str:
-    """What is said where a model that is right on its own recording fails on the held-out one."""
-    errors = diagnosis.after.history[-1]["errors"]
-    times = {c: errors["held_out"][c] / errors["calibration"][c] for c in _changed(diagnosis)}
-    worst = max(times, key=lambda c: times[c])
-    if times[worst] < FAILS:
-        return ""
-    fails = f" in this recording, but held out the error of the {worst} is {times[worst]:.0f} times as large: "
-    if diagnosis.found:
-        other = "Another mechanism may be the cause, or what the specimen had gone through before"
-        return f"{fails}what was found does not carry over. {other}"
-    return (
-        f"{fails}that recording shows what this one does not. Diagnose it as well, or one that has the motion of both"
-    )
+    fails = fails_elsewhere(diagnosis.after.history, len(diagnosis.found))
+    if fails:
+        return f" in this recording, but {fails}"
+    return f"; but {off}: see `testbench compare`" if off else ""
 
 
 def _where(diagnosis: Diagnosis) -> str:
     """In which channel most is left, where what was found explains another one."""
-    others = [c for c in diagnosis.after.history[-1]["errors"]["calibration"] if c not in _changed(diagnosis)]
-    return f", nearly all of it in the {others[0]}" if others and diagnosis.left > LEFT_AT_MOST else ""
-
-
-def _changed(diagnosis: Diagnosis) -> list[str]:
-    """Channels whose error is clearly smaller for what was found; all of them where none is."""
     history = diagnosis.after.history
-    without = step_before({"history": history, "found": diagnosis.found})
-    before, now = (step["errors"]["calibration"] for step in (without, history[-1]))
-    return [c for c in now if now[c] < WORTH_SAYING * before[c]] or list(now)
+    where = changed(history, len(diagnosis.found))
+    others = [c for c in history[-1]["errors"]["calibration"] if c not in where]
+    return f", nearly all of it in the {others[0]}" if others and diagnosis.left > LEFT_AT_MOST else ""
 
 
 def _found(diagnosis: Diagnosis) -> str:

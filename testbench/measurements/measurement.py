@@ -9,6 +9,7 @@ from statistics import harmonic_mean
 import numpy as np
 
 from gcode.support.errors import UserError
+from gcode.support.read_only import ReadOnly, read_only
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
 from testbench.knit.filters import log_conductance
@@ -58,6 +59,11 @@ class Measurement:
     averaged: tuple[float, ...] = (1.0,)
     clamp_play_mm: float = 0.0
     begins_s: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        # Nobody changes a result in place; the arrays of the signals stay as they are: compiled loops take none else.
+        object.__setattr__(self, "measured", read_only(self.measured))
+        object.__setattr__(self, "signals", ReadOnly(self.signals))
 
     @property
     def seen(self) -> slice:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from testbench.comparing.cell import Cell
 from testbench.comparing.compare import Comparison, residual_maps
 from testbench.comparing.judged import kept_zero
 from testbench.comparing.model_errors import noise_floors
@@ -17,10 +17,12 @@ from testbench.comparing.words import spoken
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
+from testbench.report.downsample import liveliest
 from testbench.report.figures.comparison_figures import Overlay
 from testbench.report.figures.ladder_figures import Step
-from testbench.report.worst_places import Spot, spots
 from testbench.results.model_file import ModelFile
+
+LOOK_S, LOOK_SAMPLES = 30.0, 200  # how much is shown around a place: so long, and at least so many samples
 
 
 def zero_in_words(file: ModelFile) -> str:
@@ -79,37 +81,32 @@ def _shifted(signals: Mapping[str, np.ndarray], measurement: Measurement) -> dic
     }
 
 
-@dataclass(frozen=True, eq=False)
-class Failings:
-    """Where a model fails on a measurement.
+def maps_of(
+    compared: Comparison, measurement: Measurement, both: Overlay, free_offset: bool
+) -> Mapping[str, Mapping[str, Sequence[Cell]]]:
+    """Mean residuals by channel and coordinate, those of the resistance in kΩ beside those of the conductance.
 
-    Attributes
-    ----------
-    comparison : mapping
-        As ``testbench compare --json`` writes it.
-    spots : list of Spot
-        The worst places, each with the time at which to look.
-    maps : mapping of channel to mapping of coordinate to cells
-        Mean residuals; with ``resistance`` in kΩ beside ``conductance``.
+    `both` is the overlay of the model that was compared.
     """
+    if "conductance" not in both.measured:
+        return compared.maps
+    counts = measurement.counts
+    rows = {name: values[counts] for name, values in coordinates(measurement).items()}
+    kohm = both.in_resistance().residual("resistance")[counts]
+    return {**compared.maps, "resistance": residual_maps(kohm - kohm.mean() if free_offset else kohm, rows)}
 
-    comparison: Mapping[str, Any]
-    spots: list[Spot]
-    maps: Mapping[str, Any]
 
-
-def failings_of(compared: Comparison, measurement: Measurement, both: Overlay, free_offset: bool) -> Failings:
-    """Find the times at which the worst places are seen; `both` is the overlay of the model that was compared."""
-    found = compared.to_dict()
-    where, counts = coordinates(measurement), measurement.counts
-    residual = {channel: both.residual(channel) for channel in both.measured}
-    maps = {channel: entry["maps"] for channel, entry in found["channels"].items()}
-    if "conductance" in both.measured:
-        rows = {name: values[counts] for name, values in where.items()}
-        kohm = both.in_resistance().residual("resistance")[counts]
-        cells = residual_maps(kohm - kohm.mean() if free_offset else kohm, rows)
-        maps["resistance"] = {name: [vars(cell) for cell in row] for name, row in cells.items()}
-    return Failings(found, spots(found, both.time_s, residual, where, counts), maps)
+def spans_of(compared: Comparison, measurement: Measurement, both: Overlay) -> list[tuple[float, float]]:
+    """For each of the worst places, start and end in s of the stretch in which it adds most to the squared error."""
+    where, found = coordinates(measurement), []
+    for place in compared.worst:
+        values, direction = where[place.coordinate], place.cell.direction
+        inside = measurement.counts & (values >= place.cell.low) & (values <= place.cell.high)
+        if direction:
+            inside &= where["direction"] == direction
+        energy = np.where(inside, both.residual(place.channel) ** 2, 0.0)
+        found.append(liveliest(both.time_s, energy, LOOK_S, LOOK_SAMPLES))
+    return found
 
 
 def steps_in_resistance(file: ModelFile, catalogue: Catalogue, judged: Measurement) -> list[Step]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from testbench.comparing.numbers import allowed, in_words, with_error
-from testbench.comparing.words import spoken
+from testbench.comparing.words import events_in_words, spoken
 from testbench.fitting.parameters import HELD
 from testbench.knit.effect import bounds_of
 from testbench.knit.model import KnitModel
@@ -30,26 +30,36 @@ def parameter_table(fit: Mapping[str, Any], model: KnitModel) -> Table | None:
     """
     entries: Mapping[str, Mapping[str, Any]] = fit.get("parameters", {})
     rows = [_row(address, entry, fit, model) for address, entry in entries.items() if "[" not in address]
+    events = events_in_words(model, entries)
+    for address, told in events.items():
+        bounds, meaning = _allowed_and_meant(address, str(entries[f"{address}[0]"]["unit"]), model)
+        rows.append((parameter_name(address), told, bounds, "those of this recording alone", meaning))
     if not rows:
         return None
-    weights = sum("[" in address for address in entries)
+    weights = sum("[" in address and address.partition("[")[0] not in events for address in entries)
     caption = "± is one standard error."
     return Table(HEAD, rows, f"{caption} Another {weights} numbers give shapes their form." if weights else caption)
 
 
 def _row(address: str, entry: Mapping[str, Any], fit: Mapping[str, Any], model: KnitModel) -> tuple[str, ...]:
-    effect, _, key = address.partition(".")
-    unit = str(entry["unit"])
-    bounds, meaning = ("", "")
-    if effect in model and (field := type(model[effect]).model_fields.get(key)) is not None:
-        extra = bounds_of(field)
-        bounds = allowed(float(extra["low"]), float(extra["high"]), unit)
-        meaning = field.description or ""
-    value, error = float(entry["value"]), float(entry["standard_error"])
+    unit, value, error = str(entry["unit"]), float(entry["value"]), float(entry["standard_error"])
+    bounds, meaning = _allowed_and_meant(address, unit, model)
     held = is_held(value, error)
-    told = in_words(value, unit) if held else with_error(value, error, unit)
+    # Where a bound holds a parameter, nothing is known of its error.
+    alone = held or address in fit.get("at_bound", ())
+    told = in_words(value, unit) if alone else with_error(value, error, unit)
     doubt = "; ".join([*doubts(address, fit), *(["held while the rest was fitted"] if held else [])])
     return parameter_name(address), told, bounds, doubt, meaning
+
+
+def _allowed_and_meant(address: str, unit: str, model: KnitModel) -> tuple[str, str]:
+    """The range that a parameter may lie in, and what it is; both empty where the model does not have it."""
+    effect, _, key = address.partition(".")
+    field = type(model[effect]).model_fields.get(key) if effect in model else None
+    if field is None:
+        return "", ""
+    extra = bounds_of(field)
+    return allowed(float(extra["low"]), float(extra["high"]), unit), field.description or ""
 
 
 def is_held(value: float, error: float) -> bool:
@@ -73,7 +83,7 @@ def doubts(address: str, fit: Mapping[str, Any]) -> list[str]:
     found = []
     if address in fit.get("at_bound", ()):
         found.append("at its bound")
-    if address in fit.get("unidentified", ()):
+    elif address in fit.get("unidentified", ()):
         found.append("not identifiable from this recording")
     others = [_other(address, pair) for pair in fit.get("correlated", ())]
     twins = [parameter_name(other) for other in others if other and "[" not in other]

@@ -34,7 +34,7 @@ def provenance(paths: Iterable[str], commands: str | None) -> Section:
     items: list[Item] = [Table(("File", "SHA-256"), rows)] if rows else []
     if commands:
         items.append(Table(("When", "Command"), _commands(Path(commands))))
-    return Section("How this was made", items)
+    return Section("How this was made", items or ["All of it was given in memory: no file is known."])
 
 
 def _commands(path: Path) -> list[tuple[str, str]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,10 +24,10 @@ from testbench.report.figures import (
 from testbench.report.figures.comparison_figures import Overlay
 from testbench.report.figures.ladder_figures import Step
 from testbench.report.words import PANEL_UNITS
-from testbench.report.worst_places import beyond_noise, why_no_place
 
-# The channel that was compared where another is shown.
-LOGARITHM = {"resistance": "conductance"}
+if TYPE_CHECKING:
+    from testbench.comparing.cell import Cell
+    from testbench.comparing.compare import Comparison
 
 
 def recording_section(recording: Recording, title: str, key: str, resistance: bool = False) -> Section:
@@ -46,27 +46,27 @@ def recording_section(recording: Recording, title: str, key: str, resistance: bo
     return Section(title, items)
 
 
-def comparison_section(both: Overlay, comparison: Mapping[str, Any], maps: Mapping[str, Any]) -> Section:
+def comparison_section(
+    both: Overlay, compared: Comparison, maps: Mapping[str, Mapping[str, Sequence[Cell]]]
+) -> Section:
     """Where the model fails: worst places in words, model over measurement, residual maps.
 
     Parameters
     ----------
     both : Overlay
         One model in `modelled`; with the resistance instead of ln G where that is to be shown.
-    comparison : mapping
-        The JSON of ``testbench compare``.
+    compared : Comparison
     maps : mapping of channel to mapping of coordinate to cells
-        Of `testbench.report.overlays.failings_of`.
+        Of `testbench.report.overlays.maps_of`.
     """
-    items: list[Item] = [errors_table(both, comparison["channels"])]
-    worst = beyond_noise(comparison)
-    if worst:
+    items: list[Item] = [errors_table(both, compared)]
+    if compared.worst:
         rows = [
-            (str(n), place["words"], f"{100 * place['share_of_error']:.0f} %") for n, place in enumerate(worst, 1)
+            (str(n), place.words, f"{100 * place.share_of_error:.0f} %") for n, place in enumerate(compared.worst, 1)
         ]
         items.append(Table(("", "Where it fails, the worst first", "Share of the squared error"), rows))
     else:
-        items.append(why_no_place(comparison["channels"]))
+        items.append(words.sentence(compared.places[0]))
     over_time = comparison_figures.overlay(both)
     items.append(Picture("comparison-time", over_time, comparison_figures.OVERLAY_CAPTION))
     items.append(Picture("comparison-loops", comparison_figures.modelled_loops(both), "The same as loops."))
@@ -78,14 +78,14 @@ def comparison_section(both: Overlay, comparison: Mapping[str, Any], maps: Mappi
     return Section("Where the model fails", items)
 
 
-def errors_table(both: Overlay, channels: Mapping[str, Mapping[str, Any]]) -> Table:
+def errors_table(both: Overlay, compared: Comparison) -> Table:
     """RMS error of each channel beside its noise floor."""
     rows = []
     for name in both.measured:
-        told = channels[LOGARITHM.get(name, name)]
-        rms, floor = told["rms"], told["noise_floor"]
-        if name in LOGARITHM:
+        if name == "resistance":  # ln G was compared
             rms, floor = float(np.std(both.residual(name))), both.noise_floor[name]
+        else:
+            rms, floor = compared.rms[name], compared.noise_floor[name]
         unit = PANEL_UNITS[name]
         times = f"{over_noise(rms, floor):.1f} times"
         rows.append((name, f"{plain(rms)} {unit}", f"{plain(floor, 2)} {unit}", times))

@@ -18,7 +18,7 @@ from testbench.report.figures.comparison_figures import Overlay, busiest_window
 from testbench.report.figures.ladder_figures import Step
 from testbench.report.inputs import Inputs
 from testbench.report.overlays import (
-    failings_of,
+    maps_of,
     models_of,
     overlay_of,
     steps_in_resistance,
@@ -88,7 +88,7 @@ class Story:
         if len(self.steps) < 2 or not self.from_file:
             return asked or "One model, fitted; no effect has been added yet."
         first, now = self.steps[0], self.steps[-1]
-        added = ", ".join(words.spoken(step.label.removeprefix("+ ")) for step in self.steps[1:])
+        added = words.listed([words.spoken(step.label.removeprefix("+ ")) for step in self.steps[1:]])
         gained = f"With {added} {words.error_fall(first.errors, now.errors)}."
         return f"{gained} {asked}".strip() if last and not self.has_taken(last) else gained
 
@@ -131,8 +131,8 @@ class Story:
         label = self.steps[-1].label if self.steps else "model"
         both = overlay_of(judged, {label: self.file.model}, free_offset=True)
         compared = compare(remounted(self.file.model, judged), judged, free_offset=True)
-        found = failings_of(compared, judged, both, free_offset=True)
-        return sections.comparison_section(self._seen(both), found.comparison, found.maps)
+        maps = maps_of(compared, judged, both, free_offset=True)
+        return sections.comparison_section(self._seen(both), compared, maps)
 
     def _seen(self, both: Overlay) -> Overlay:
         """What is shown of an overlay: the samples that count, as resistance where that is asked for."""

@@ -40,6 +40,7 @@ def axis(title: str = "", **more: Any) -> dict[str, Any]:
         "tickfont": {"size": 11, "color": MUTED},
         "automargin": True,
         "exponentformat": "power",  # no "500µ" beside "0.001"
+        "minexponent": 4,  # a day has 86400 s, not 8.64·10⁴
         **more,
     }
 
@@ -142,8 +143,12 @@ def place(index: int) -> dict[str, str]:
 
 
 def curve(x: Any, y: Any, colour: str, index: int = 0, width: float = 1.3, **more: Any) -> dict[str, Any]:
-    """A line through points in panel number `index`."""
-    look = {"type": "scatter", "mode": "lines", "line": {"color": colour, "width": width}}
+    """A line through points in panel number `index`; one between two holes of the line is a dot."""
+    look: dict[str, Any] = {"type": "scatter", "mode": "lines", "line": {"color": colour, "width": width}}
+    hole = np.isnan(np.concatenate([[np.nan], y, [np.nan]]))
+    alone = ~hole[1:-1] & hole[:-2] & hole[2:]
+    if alone.any():
+        look |= {"mode": "lines+markers", "marker": {"color": colour, "size": np.where(alone, 3.0, 0.0)}}
     return {**look, "x": x, "y": y, **place(index), **more}
 
 

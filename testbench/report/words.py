@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from testbench.comparing.carried_over import fails_elsewhere
 from testbench.comparing.numbers import plain
 from testbench.comparing.words import MANY, listed, percent, percent_left, spoken, still_off
 from testbench.measurements.responses import UNIT_OF
@@ -18,9 +19,16 @@ def with_unit(value: float, channel: str, digits: int = 3) -> str:
     return f"{plain(value, digits)} {PANEL_UNITS[channel]}"
 
 
+def sentence(text: str) -> str:
+    """Words of a finding as a sentence of a page."""
+    return f"{text[:1].upper()}{text[1:]}."
+
+
 def duration_in_words(duration_s: float) -> str:
-    """``23.0 min``; below a minute in seconds."""
-    return f"{duration_s:.3g} s" if duration_s < 60 else f"{duration_s / 60:.1f} min"
+    """``23.0 min``; below a minute in seconds, from three hours on in hours."""
+    if duration_s < 60:
+        return f"{duration_s:.3g} s"
+    return f"{duration_s / 60:.1f} min" if duration_s < 3 * 3600 else f"{duration_s / 3600:.1f} h"
 
 
 def verdict_in_words(diagnosis: Mapping[str, Any]) -> str:
@@ -34,9 +42,15 @@ def verdict_in_words(diagnosis: Mapping[str, Any]) -> str:
     said = f"Nothing is missing that these recordings could show{_bracketed(probability)}."
     if bend := diagnosis.get("bends_like"):
         said += f" But a law of the base is bent as {with_probability(diagnosis, bend)} would bend it."
-    if off := still_off(diagnosis["error_after"], diagnosis["noise_floor"]):
-        said += f" But {off}."
-    return said
+    return said + _held_out(diagnosis)
+
+
+def _held_out(diagnosis: Mapping[str, Any]) -> str:
+    """What is said where the held-out error is not what the first words promise."""
+    history = diagnosis.get("history")
+    fails = fails_elsewhere(history, len(diagnosis["found"])) if history else ""
+    but = fails or still_off(diagnosis["error_after"], diagnosis["noise_floor"])
+    return f" But {but}." if but else ""
 
 
 def _unknown(diagnosis: Mapping[str, Any]) -> str:
@@ -75,7 +89,7 @@ def _missing(diagnosis: Mapping[str, Any]) -> str:
     if tied:
         which = "it" if len(found) == 1 else spoken(found[0]["effect"])
         sentence += f" These recordings cannot tell {which} from {' or '.join(tied)}."
-    return sentence
+    return sentence + _held_out(diagnosis)
 
 
 def with_probability(diagnosis: Mapping[str, Any], effect: str) -> str:

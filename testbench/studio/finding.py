@@ -33,13 +33,12 @@ class Found:
 
 
 STATES = ("fitted", "diagnosed", "compensated", "unfinished")
-_ORDERS: dict[str, Callable[[Found], tuple]] = {
-    "newest": lambda found: (-found.campaign.made_s, found.campaign.name),
-    "oldest": lambda found: (found.campaign.made_s, found.campaign.name),
-    "name": lambda found: (found.campaign.name.lower(),),
-    "specimen": lambda found: (found.campaign.specimen.lower(), -found.campaign.made_s),
+ORDERS: dict[str, tuple[str, Callable[[Found], tuple]]] = {  # what it is called, and what it sorts by
+    "newest": ("Newest first", lambda found: (-found.campaign.made_s, found.campaign.name)),
+    "oldest": ("Oldest first", lambda found: (found.campaign.made_s, found.campaign.name)),
+    "name": ("By name", lambda found: (found.campaign.name.lower(),)),
+    "specimen": ("By specimen", lambda found: (found.campaign.specimen.lower(), -found.campaign.made_s)),
 }
-ORDERS = {"newest": "Newest first", "oldest": "Oldest first", "name": "By name", "specimen": "By specimen"}
 
 
 def narrowed(
@@ -53,7 +52,7 @@ def narrowed(
         and (not tag or tag in found.note.tags)
         and found.matches(words.split())
     ]
-    return sorted(kept, key=_ORDERS.get(order, _ORDERS["newest"]))
+    return sorted(kept, key=ORDERS.get(order, ORDERS["newest"])[1])
 
 
 def all_tags(all_of: Iterable[Found]) -> list[str]:

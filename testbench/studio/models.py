@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -16,7 +17,6 @@ from testbench.recordings.manifest import CSV
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import about_model, same_source
 from testbench.results.result_files import read_diagnosis
-from testbench.studio.freshness import made_of
 from testbench.studio.jobs.job import Commands
 from testbench.studio.parts.starting import run_in_turn
 from testbench.studio.studio import Studio
@@ -25,6 +25,7 @@ LAST_THIRD = "the last third of this recording"
 BEFORE = "model-before.json"  # the one before the last baseline
 LADDER = "ladder"  # in a kept diagnosis: the step that it was made of, and the name of the one that it led to
 Steps = Sequence[Mapping[str, Any]]
+CLOSE = 1e-6  # relative; the same errors, worked out a second time
 ASKING = ("diagnose", "propose")  # jobs that look at a model, and whose answer is about that very one
 
 
@@ -188,6 +189,28 @@ def is_last(studio: Studio, c: str, begun: Mapping[str, Any]) -> bool:
     mine = about_model(model_path(studio, c))
     steps = mine.get("history", [])
     return bool(steps) and made_of(begun, steps[-1], undone=not mine.get("fit"))
+
+
+def made_of(begun: Mapping[str, Any], last: Mapping[str, Any], undone: bool = False) -> bool:
+    """Whether the step that a diagnosis or a proposal began with is the `last` one of a model's ladder.
+
+    It is told by content: a job that began before the model was changed, and ended after, leaves a newer file. Noise
+    floors tell the samples that it was judged on. With `undone`, the last step is what is left after one was taken
+    back: it has no fit, so whoever asks fits it once more, and only its effects stay the same.
+    """
+    if not _close(begun["noise_floor"], last["noise_floor"]):
+        return False
+    if undone:
+        return _effects(begun) == _effects(last)
+    return begun["model"] == last["model"] and _close(begun["errors"]["held_out"], last["errors"]["held_out"])
+
+
+def _close(some: Mapping[str, float], others: Mapping[str, float]) -> bool:
+    return some.keys() == others.keys() and all(math.isclose(some[key], others[key], rel_tol=CLOSE) for key in some)
+
+
+def _effects(step: Mapping[str, Any]) -> set[tuple[str, str]]:
+    return {(one["name"], one["effect"]) for one in step["model"]["effects"]}
 
 
 def refuse_while_asked(studio: Studio, c: str) -> None:

@@ -29,12 +29,7 @@ class _Stored(StrictModel):
 
 
 class Notes:
-    """All notes of a workspace, in one file below its results; read anew when another tab has changed it.
-
-    Parameters
-    ----------
-    folder : Path
-    """
+    """All notes of a workspace, in one file below its results; read anew when another tab has changed it."""
 
     def __init__(self, folder: Path) -> None:
         self._path = folder / FILE

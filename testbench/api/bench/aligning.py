@@ -10,7 +10,7 @@ from gcode.programs.make import Made
 from gcode.support.errors import UserError
 from gcode.support.figures import outline, panels, picture
 from gcode.support.html import card
-from gcode.support.kinds import path_of
+from gcode.support.kinds import flag, path_of
 from testbench.api.arguments import Source, recording_of
 from testbench.api.bench.running import program_file
 from testbench.campaigns import alignment
@@ -82,7 +82,7 @@ class AlignmentResult:
 
     def write(self, folder: str | Path, overwrite: bool = False) -> Path:
         """Write the aligned recording as a campaign; `overwrite` replaces an earlier one in `folder`."""
-        folder = path_of(folder, "folder")
+        folder, overwrite = path_of(folder, "folder"), flag("overwrite", overwrite)
         with program_file(self.program) as program:
             write_derived(folder, self.recording, "aligned", self.to_dict(), program, overwrite)
         return folder

@@ -14,7 +14,7 @@ from gcode.programs.make import Made
 from gcode.support.errors import UserError
 from gcode.support.files import existing_file, write_text
 from gcode.support.html import card
-from gcode.support.kinds import instance, number, path_of, whole
+from gcode.support.kinds import flag, instance, number, path_of, whole
 from testbench.api.arguments import AnyModel, Effects, catalogue_of, is_preset, model_file_of, model_name, own_file
 from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live
 from testbench.campaigns.clearing import vacant
@@ -171,6 +171,7 @@ def run(
     25.0
     """
     folder = path_of(folder, "folder")
+    overwrite, real_time = flag("overwrite", overwrite), flag("real_time", real_time)
     ready = planned(model, program, seed, gauge_length_mm, instruments, after, rest_s, own_file(effects))
     with ready as (plan, motion):
         if matches(folder, plan):

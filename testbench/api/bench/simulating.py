@@ -40,20 +40,8 @@ def simulate(
 
     Parameters
     ----------
-    model : KnitModel, result, path or name of a preset
-        The sensor; the presets ``"pes"`` and ``"lycra"`` behave like published ones.
-    program : Made, path or str
-        From `gcode.generate`, or a Mach4 program: its file, or its text.
-    seed : int
-        Of noise and sampling times.
-    gauge_length_mm : float, optional
-        Default: the program's.
-    instruments : Instruments, optional
-        Default: those of the paper's bench.
-    after : iterable of path, optional
-        Programs, or campaigns of this sensor, that it went through before, in order. It remembers them.
-    rest_s : float
-        Rest after each of these, in s.
+    model, program, seed, gauge_length_mm, instruments, after, rest_s
+        As for `testbench.run`; the presets ``"pes"`` and ``"lycra"`` behave like published sensors.
     effects : path, Catalogue or effect classes, optional
         The user's own effects that a model file uses.
 

@@ -11,7 +11,7 @@ from gcode.programs.make import Made
 from gcode.support.errors import UserError
 from gcode.support.figures import panels, picture
 from gcode.support.html import card, frame_table
-from gcode.support.kinds import whole
+from gcode.support.kinds import flag, whole
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
 from testbench.api.missing.diagnosing import DiagnosisResult, diagnosis_data
 from testbench.api.progress import Tell, telling
@@ -162,7 +162,7 @@ def next_experiment(
     Examples
     --------
     >>> import testbench as tb
-    >>> recording = tb.example(tb.effects.StressRelaxation(fraction=0.3))
+    >>> recording = tb.example(tb.effects.StressRelaxation(fraction=0.3), duration_s=60)
     >>> base = tb.fit(recording, progress=False)
     >>> other = tb.fit(recording, model=base.model + tb.effects.StressRelaxation(), progress=False)
     >>> plan = tb.next_experiment([base, other], bounds={"duration_s": 120}, progress=False)
@@ -170,6 +170,7 @@ def next_experiment(
     25.0
     """
     catalogue, seed = catalogue_of(effects), whole("seed:", seed, 0)
+    temperature = flag("temperature", temperature)
     with telling(progress) as tell:
         if isinstance(rivals, DiagnosisResult | str | Path):
             if recording is None:

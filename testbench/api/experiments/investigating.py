@@ -11,7 +11,7 @@ from typing import Literal
 
 from gcode.support.errors import UserError
 from gcode.support.files import copy_file, refuse_links, sha256_of, write_json
-from gcode.support.kinds import number, path_of
+from gcode.support.kinds import flag, number, path_of
 from gcode.support.strict import validated
 from testbench.api.arguments import AnyModel, Effects, catalogue_of, model_file_of, model_name
 from testbench.api.experiments.designing import bounds_said
@@ -137,7 +137,7 @@ def investigate(
     >>> len(found.state.runs)
     1
     """
-    folder = path_of(folder, "folder")
+    folder, resume = path_of(folder, "folder"), flag("resume", resume)
     speed = None if speed is None else number("speed", speed)
     budget_minutes = None if budget_minutes is None else number("budget_minutes", budget_minutes)
     own_file = Path(effects) if isinstance(effects, str | Path) else None

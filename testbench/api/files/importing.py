@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from gcode.support.errors import UserError
 from gcode.support.files import check_place, existing_file
 from gcode.support.html import card
-from gcode.support.kinds import path_of
+from gcode.support.kinds import flag, path_of
 from testbench.api.files.wish_words import in_python
 from testbench.campaigns.clearing import check_vacant, replaced
 from testbench.importing import from_file
@@ -86,7 +86,7 @@ class ImportResult:
         UserError
             If a folder holds something else, or there is a file already; nothing is written then.
         """
-        places = self.places(out)
+        places, overwrite = self.places(out), flag("overwrite", overwrite)
         if Path(out).suffix.lower() == ".csv":
             for place in places:
                 check_place(place, overwrite=overwrite)

@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args
 
 from gcode.support.errors import UserError
 from gcode.support.html import card
-from gcode.support.kinds import path_of
+from gcode.support.kinds import flag, path_of
 from testbench.api.arguments import AnyModel, Effects, Source, as_recording, catalogue_of, model_file_of
 from testbench.api.missing.diagnosing import DiagnosisResult, diagnosis_data
 from testbench.recordings.recording import Recording
@@ -141,7 +141,7 @@ def make_report(
         files=_files((*recorded, held_out, model, effects, *found, compensator)),
         commands=None if commands is None else str(commands),
         title=title,
-        resistance=resistance,
+        resistance=flag("resistance", resistance),
     )
     return ReportResult(build_report(given))
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from gcode.support.errors import UserError
 from gcode.support.html import card
-from gcode.support.kinds import path_of
+from gcode.support.kinds import flag, path_of
 from testbench.api.arguments import own_file
 from testbench.campaigns.datasets.index import INDEX, index_problems
 from testbench.campaigns.datasets.parquet_checksums import CHECKSUMS, PARQUET, parquet_problems
@@ -152,7 +152,7 @@ def verify(
     ...     before, tb.verify(folder).intact
     (True, False)
     """
-    folder, own = path_of(folder, "campaign"), own_file(effects)
+    folder, own, again = path_of(folder, "campaign"), own_file(effects), flag("again", again)
     stored: list[str] = []
     if (folder / CHECKSUMS).is_file():
         stored = parquet_problems(folder)

@@ -17,9 +17,9 @@ from testbench.api.arguments import Effects, Source, catalogue_of, recordings_fo
 from testbench.api.missing.diagnosing import DiagnosisResult, diagnosis_data
 from testbench.api.models.overlay import residual_label
 from testbench.comparing import contribution as core
+from testbench.comparing.carried_over import step_before
 from testbench.comparing.contribution import Contribution
 from testbench.comparing.judged import held_samples
-from testbench.comparing.ladder import step_before
 from testbench.comparing.model_errors import channel_name
 from testbench.comparing.words import spoken
 from testbench.knit.catalogue import Catalogue, model_from_dict
@@ -146,7 +146,7 @@ def contribution(
     catalogue = catalogue_of(effects)
     data = checked_diagnosis(diagnosis, "diagnosis") if isinstance(diagnosis, Mapping) else diagnosis_data(diagnosis)
     effect = _candidate(data, law, catalogue)
-    before = step_before(data)
+    before = step_before(data["history"], len(data["found"]))
     without = model_from_dict(before["model"], catalogue, "diagnosis")
     first, second, _ = recordings_for(None, None, recording, held_out, gauge_length_mm)
     held = held_samples(ModelFile(without, 0.0, history=(before,)), first, second)

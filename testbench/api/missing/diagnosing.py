@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from gcode.support.errors import UserError
 from gcode.support.figures import panels, picture
 from gcode.support.html import card, frame_table
-from gcode.support.kinds import number, whole
+from gcode.support.kinds import whole
 from testbench import diagnosis as core
 from testbench.api.arguments import (
     AnyModel,
@@ -26,7 +26,7 @@ from testbench.api.arguments import (
 from testbench.api.models.model_result import ModelResult
 from testbench.api.progress import Tell, telling
 from testbench.comparing.words import percent, percent_left
-from testbench.diagnosis.diagnosis import REST_S
+from testbench.diagnosis.diagnosis import rest_between
 from testbench.diagnosis.result import Diagnosis, Ranked
 from testbench.diagnosis.words import diagnosis_table, first_line
 from testbench.fitting.constants import ROUNDS
@@ -217,7 +217,8 @@ def diagnose(
         raise UserError("recording: must be one or more, got none")
     first, held, play_mm = recordings_for(model, given, sources[0], held_out, gauge_length_mm, clamp_play_mm)
     more = [recording_of(one, gauge_length_mm, first.gauge_length_mm) for one in sources[1:]]
-    check_one_history([first, *more], held, rest_s)
+    if (rest := rest_between(len(sources), rest_s)) is not None:
+        _check_one_history([first, *more, *([] if held is None else [held])], rest)
     with telling(progress) as tell:
         found = core.diagnose([first, *more], held, given, catalogue, tell, most, play_mm, rest_s)
     return DiagnosisResult(found)
@@ -230,22 +231,13 @@ def _error_left(one: Ranked) -> dict[str, float]:
     return {name: percent_left(value) / 100 for name, value in zip(names, (gain, high, low), strict=True)}
 
 
-def check_one_history(recordings: Sequence[Recording], held: Recording | None, rest_s: float | None) -> None:
-    """Refuse several recordings that cannot be one history: given twice, too much for one grid, or without a rest.
-
-    Raises
-    ------
-    UserError
-    """
-    if len(recordings) < 2 and rest_s is None:
-        return
-    rest_s = number("rest_s", REST_S if rest_s is None else rest_s, 0)
-    every = [*recordings, *([] if held is None else [held])]
+def _check_one_history(recordings: Sequence[Recording], rest_s: float) -> None:
+    """Refuse recordings that cannot be one history: given twice, or too much for one grid."""
     check_distinct(
-        every,
+        recordings,
         "of several recordings each is made after the ones before it: give each once, and another one as `held_out`",
     )
-    check_grid(every[1:], recordings[0], MAX_GRID_HZ, MIN_PART, rest_s)
+    check_grid(recordings[1:], recordings[0], MAX_GRID_HZ, MIN_PART, rest_s)
 
 
 def diagnosis_data(diagnosis: DiagnosisResult | str | Path) -> Mapping[str, Any]:

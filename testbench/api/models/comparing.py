@@ -131,7 +131,7 @@ def _profile(axis: Axes, cells: Sequence[Cell], coordinate: str) -> None:
     for direction, (label, colour, marker) in WAYS.items():
         mine = [cell for cell in cells if cell.direction == direction]
         if mine:
-            x, y = [centre(vars(cell), coordinate) for cell in mine], [cell.mean for cell in mine]
+            x, y = [centre(cell, coordinate) for cell in mine], [cell.mean for cell in mine]
             error = [2 * cell.standard_error for cell in mine]
             look: dict[str, Any] = {"color": colour, "marker": marker, "markersize": 4, "linewidth": 1}
             axis.errorbar(x, y, yerr=error, label=label or None, **look)

@@ -19,8 +19,9 @@ from testbench.report.words import NOT_REFITTED, PANEL_UNITS, with_probability
 SHOWN = 8
 SCATTER_BINS = 24
 CANDIDATES_CAPTION = (
-    "What a refit with each effect takes off the error on samples that no fit has seen, with the 95 % interval over "
-    "blocks of up to 60 s. In brackets: how probable it is that this effect is what is missing most."
+    "What a refit with each effect takes off the error on samples that no fit has seen, the mean of the "
+    "channels, with the 95 % interval over blocks of up to 60 s. In brackets: how probable it is that this effect is "
+    "what is missing most."
 )
 
 

@@ -119,7 +119,7 @@ def hysteresis_loops(recording: Recording, resistance: bool = False) -> style.Fi
     for column, (_, _, x, y) in enumerate(panels):
         shown: dict[str, Any] = {"showlegend": several and column == 0, "hovertemplate": "%{x:.4g}, %{y:.4g}"}
         for rows, colour in zip(windows, colours, strict=True):
-            name = f"{(recording.time_s[rows.start] - recording.time_s[0]) / 60:.1f} min"
+            name = duration_in_words(float(recording.time_s[rows.start] - recording.time_s[0]))
             every = max(1, (rows.stop - rows.start) // points)
             few = unbroken(slice(rows.start, rows.stop, every), recording.time_s, recording.gaps)
             traces.append(style.curve(at_rows(x, few), at_rows(y, few), colour, column, name=name, **shown))
@@ -240,7 +240,7 @@ def summary(recording: Recording, resistance: bool = False) -> list[tuple[str, s
     """What a person asks first of a recording: pairs of name and value, in words."""
     facts = [
         ("Duration", duration_in_words(recording.duration_s)),
-        ("Samples", f"{len(recording):,}".replace(",", " ") + f" at {recording.mean_rate_hz:.1f} Hz"),
+        ("Samples", f"{len(recording):,}".replace(",", " ") + f" at {recording.mean_rate_hz:.3g} Hz"),
     ]
     if recording.has(DISPLACEMENT):
         facts.append(("Gauge length", f"{recording.gauge_length_mm:g} mm"))

@@ -9,6 +9,7 @@ import numpy as np
 
 from gcode.support.arrays import FloatArray
 from gcode.support.figures import histogram_range
+from testbench.comparing.cell import Cell
 from testbench.report import style
 from testbench.report.figures.comparison_figures import RESIDUAL_TITLES, Overlay
 from testbench.report.words import PANEL_UNITS
@@ -35,13 +36,12 @@ def profiles_caption(channel: str) -> str:
     return f"Mean residual of the {channel} over each coordinate, with two standard errors."
 
 
-def profiles(maps: Mapping[str, Sequence[Mapping[str, Any]]], channel: str) -> style.Figure:
+def profiles(maps: Mapping[str, Sequence[Cell]], channel: str) -> style.Figure:
     """Mean residual over each coordinate with two standard errors, stretching and releasing apart.
 
     Parameters
     ----------
-    maps : mapping of coordinate to cells
-        As in ``testbench compare --json``: each cell has low, high, direction, mean, standard_error.
+    maps : mapping of coordinate to sequence of Cell
     channel : str
         ``force`` or ``conductance``.
     """
@@ -55,16 +55,16 @@ def profiles(maps: Mapping[str, Sequence[Mapping[str, Any]]], channel: str) -> s
     return style.figure(_legend_once(traces), height=230 * max(count, 1) + 60, **axes)
 
 
-def _profile(cells: Sequence[Mapping[str, Any]], coordinate: str, index: int) -> list[dict[str, Any]]:
-    split = any(cell["direction"] for cell in cells)
+def _profile(cells: Sequence[Cell], coordinate: str, index: int) -> list[dict[str, Any]]:
+    split = any(cell.direction for cell in cells)
     groups = DIRECTIONS if split else ((0, "both directions", style.INK, "circle"),)
     traces = []
     for direction, name, colour, symbol in groups:
-        mine = [cell for cell in cells if cell["direction"] == direction]
+        mine = [cell for cell in cells if cell.direction == direction]
         if not mine:
             continue
         x = np.array([centre(cell, coordinate) for cell in mine])
-        mean, error = (np.array([cell[key] for cell in mine]) for key in ("mean", "standard_error"))
+        mean, error = (np.array([getattr(cell, key) for cell in mine]) for key in ("mean", "standard_error"))
         trace = style.dots(x, mean, colour, index, mode="lines+markers", line={"width": 1, "color": colour})
         trace["marker"]["symbol"] = symbol
         whiskers = {"array": 2 * error, "color": colour}
@@ -72,12 +72,11 @@ def _profile(cells: Sequence[Mapping[str, Any]], coordinate: str, index: int) ->
     return traces
 
 
-def centre(cell: Mapping[str, Any], coordinate: str) -> float:
+def centre(cell: Cell, coordinate: str) -> float:
     """Where a cell is drawn over its coordinate: strains in %, times since an event on a logarithmic axis."""
-    low, high = float(cell["low"]), float(cell["high"])
     if coordinate in LOG_COORDINATES:
-        return float(np.sqrt(max(low, high / 20, 1e-3) * max(high, 1e-3)))
-    return (100 if coordinate in IN_PERCENT else 1) * (low + high) / 2
+        return float(np.sqrt(max(cell.low, cell.high / 20, 1e-3) * max(cell.high, 1e-3)))
+    return (100 if coordinate in IN_PERCENT else 1) * (cell.low + cell.high) / 2
 
 
 def _legend_once(traces: list[dict[str, Any]]) -> list[dict[str, Any]]:

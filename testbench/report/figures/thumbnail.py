@@ -24,10 +24,10 @@ def thumbnail(recording: Recording) -> str:
         rows = slice(0, len(recording))
     time_s, split = recording.time_s[rows], width - 84
     _, first, _ = channels[0]
-    paths = _path(time_s, first[rows], style.FAINT, 0, split, height)
+    paths = _path(time_s, first, rows, style.FAINT, split, height)
     if len(channels) > 1:
         _, values, colour = channels[1]
-        paths += _path(time_s, values[rows], colour, 0, split, height)
+        paths += _path(time_s, values, rows, colour, split, height)
         _, values, colour = channels[-1] if recording.has(RESISTANCE) else channels[1]
         few = thinned(len(recording), 500)
         paths += _dots(first[few], values[few], colour, split + 14, width, height)
@@ -41,9 +41,10 @@ def _scaled(values: FloatArray, low: float, high: float) -> FloatArray:
     return low + (values - values.min()) / (float(np.ptp(values)) or 1.0) * (high - low)
 
 
-def _path(time_s: FloatArray, values: FloatArray, colour: str, left: float, right: float, height: int) -> str:
-    rows = rows_to_draw(values, int(2 * (right - left)))
-    x, y = _scaled(time_s[rows], left, right), _scaled(values[rows], height - 3, 3)
+def _path(time_s: FloatArray, values: FloatArray, part: slice, colour: str, right: float, height: int) -> str:
+    """A part of a channel, as high as it is in the whole: the noise of a hold is a line."""
+    rows = rows_to_draw(values[part], int(2 * right))
+    x, y = _scaled(time_s[rows], 0, right), _scaled(values, height - 3, 3)[part][rows]
     points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
     return f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="1.3"/>'
 

@@ -91,7 +91,7 @@ class _List:
             self._select("State", {"": "Any state", **{one: one for one in STATES}}, "state")
             self.tags = self._select("Tag", _tag_options(self.everything), "tag")
             self.tags.set_visibility(len(self.tags.options) > 1)
-            self._select("Order", ORDERS, "order", "newest")
+            self._select("Order", {key: name for key, (name, _) in ORDERS.items()}, "order", "newest")
         with ui.row().classes("items-center gap-3"):
             self.count = ui.label().classes("quiet").props("role=status")
             self.side = button("Compare side by side", "compare", self._side_by_side, "outline dense")

@@ -49,7 +49,8 @@ async def page(studio: Studio, a: str = "", b: str = "", show: str = "") -> None
     with ui.row().classes("w-full gap-4"):
         for side in sides:
             ui.link(side.name, address("/recording", c=side.name)).classes("way")
-    table(("", a, b), [(name, *(side.facts.get(name, "") for side in sides)) for name in names])
+    told = [(name, *(side.facts.get(name, "") for side in sides)) for name in names]
+    table(("", a, b), [row for row in told if any(row[1:])])
     if parameters := parameters_of(*(side.fit for side in sides)):
         rows = [(parameter_name(key), *(fitted_value(side.fit, key) for side in sides)) for key in parameters]
         table(("Parameter", a, b), rows, IN_BRACKETS)

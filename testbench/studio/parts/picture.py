@@ -146,7 +146,7 @@ class ZoomingPlot:
         ends = float(time_s[0]), float(time_s[-1])
         if wrong := not_there(span, ends):
             raise UserError(f"the address asks for times from {span[0]:g} to {span[1]:g} s; {wrong}")
-        self.drawn, self.span, self._on_span = drawn, span, on_span
+        self.drawn, self._on_span = drawn, on_span
         with _card(caption) as below:
             self.picture = Picture(looking_at(drawn(*span), span), caption)
         with below:
@@ -158,21 +158,12 @@ class ZoomingPlot:
         """Zoom to a stretch, as the mouse would."""
         self.picture.run_method("look", start_s, end_s)
 
-    def draw(self, drawn: Drawn) -> None:
-        """Draw something else over the same stretch."""
-        self.drawn = drawn
-        self._show()
-
-    def _show(self) -> None:
-        # The range goes with the figure: plotly keeps only a range that the mouse has set.
-        self.picture.show(looking_at(self.drawn(*self.span), self.span))
-
     def _zoomed(self, event: events.GenericEventArguments) -> None:
         span = zoomed_span(event.args)
         if span is not None:
-            self.span = span
             self._fields.tell(*span)
-            self._show()
+            # The range goes with the figure: plotly keeps only a range that the mouse has set.
+            self.picture.show(looking_at(self.drawn(*span), span))
             self._on_span(span)
 
 

@@ -11,7 +11,6 @@ from nicegui import ui
 from gcode.support.errors import UserError
 from testbench.recordings.manifest import CSV, IN_PROGRESS, read_manifest
 from testbench.rig.connection.ports import remembered_port
-from testbench.studio.jobs.job import Job
 from testbench.studio.parts.widgets import button, way_on
 from testbench.studio.studio import KEY_RECORDING, KEY_RIG, Studio
 from testbench.studio.workspace import Campaign
@@ -30,18 +29,13 @@ def is_unfinished(campaign: Campaign) -> bool:
     return campaign.origin == "recorded" and campaign.status in ENDINGS
 
 
-def recording_job(studio: Studio, campaign: Campaign) -> Job | None:
-    """The job that is recording this very campaign now."""
-    job = studio.jobs.under_way(KEY_RECORDING)
-    return job if job and Path(job.argv[-1]) == campaign.folder else None
-
-
 def is_under_way(studio: Studio, campaign: Campaign) -> bool:
     """Whether it is being recorded now, by this studio or by a command in a terminal."""
     if campaign.status != IN_PROGRESS:
         return False
     if studio.jobs.last_command(KEY_RECORDING)[-1:] == (str(campaign.folder),):
-        return recording_job(studio, campaign) is not None  # it was our recorder, and of that we know
+        job = studio.jobs.under_way(KEY_RECORDING)  # it was our recorder, and of that we know
+        return job is not None and Path(job.argv[-1]) == campaign.folder
     return _grew_lately(campaign.folder / CSV)
 
 

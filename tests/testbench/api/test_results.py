@@ -360,8 +360,11 @@ def test_what_a_fit_and_a_diagnosis_say_stays():
     fit, found = fitted(), diagnosed()
     some = [fit.file.fit, fit.file.fit["parameters"], fit.file.history[0], found.diagnosis.probabilities]
     some += [found.diagnosis.error_before, found.diagnosis.noise_floor]
+    some += [fit.held_out.measured, fit.calibration.signals]
     for mapping in some:
         with pytest.raises(TypeError, match="not changed in place"):
             mapping["nothing"] = 0.0
+    with pytest.raises(ValueError, match="read-only"):
+        fit.held_out.measured["force"][:] = 0.0
     found.to_dict()["found"][0]["effect"] = "nothing"
     assert found.diagnosis.found[0].effect != "nothing"

@@ -304,7 +304,7 @@ def test_make_report_writes_the_page_of_the_command(file, tmp_path, monkeypatch)
     assert (tmp_path / "mine.html").read_text() == theirs.read_text()
     objects = tb.make_report(relaxed(), model=fitted(), diagnoses=diagnosed())
     assert objects.verdict == tb.make_report(file, model=model, diagnoses=found, gauge_length_mm=25).verdict
-    assert objects.report.sections[-1].items == []  # of objects no file is known
+    assert objects.report.sections[-1].items == ["All of it was given in memory: no file is known."]
 
 
 @pytest.mark.slow

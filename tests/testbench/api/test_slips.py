@@ -202,11 +202,27 @@ SLIPS = {
     ),
     "a rest as text": (
         lambda: tb.diagnose(tb.example(duration_s=20), rest_s="a"),
-        "rest_s must be a number of 0 or more, got 'a'",
+        "rest_s must be a number, got 'a'",
     ),
     "a rest as text, to simulate": (
         lambda: tb.simulate("pes", gcode.generate("paper-1", seed=1, duration_s=20), rest_s="a"),
         "rest_s must be a number of 0 or more, got 'a'",
+    ),
+    "no as a text, which Python takes for yes": (
+        lambda: tb.run("pes", gcode.generate("paper-1", seed=1, duration_s=20), "campaign", overwrite="no"),
+        "overwrite must be True or False, got 'no'",
+    ),
+    "no as a text, for an import": (
+        lambda: tb.ImportResult(()).write("campaign", overwrite="no"),
+        "overwrite must be True or False, got 'no'",
+    ),
+    "no as a text, for a report": (
+        lambda: tb.make_report(tb.example(duration_s=20), resistance="no"),
+        "resistance must be True or False, got 'no'",
+    ),
+    "no as a text, to verify": (
+        lambda: tb.verify("campaign", again="no"),
+        "again must be True or False, got 'no'",
     ),
     "one campaign where several may be": (
         lambda: tb.simulate("pes", gcode.generate("paper-1", seed=1, duration_s=20), after="pes-1"),

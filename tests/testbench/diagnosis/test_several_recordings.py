@@ -12,7 +12,7 @@ import testbench as tb
 from gcode.support.errors import UserError
 from testbench.cli import main
 from testbench.diagnosis import diagnose
-from testbench.diagnosis.diagnosis import calibration_and_held_out
+from testbench.diagnosis.diagnosis import calibration_and_held_out, rest_between
 from testbench.knit.kinematics.mounting import DisplacementZeros, ForceZeros
 from testbench.knit.mechanics.damage import MullinsSoftening
 from testbench.measurements.joining import joined, last_of
@@ -99,6 +99,13 @@ def test_one_that_is_held_out_after_a_rest_is_of_a_softened_knit():
         assert calibration.recording.source == "pull 1"
         left.append(float(np.std(held.residual(SOFTENS)["force"][held.counts])))
     assert left[0] < 2 * noise_N < 5 * noise_N < left[1]
+
+
+def test_the_rest_between_recordings_is_decided_once():
+    assert [rest_between(*asked) for asked in ((1, None), (2, None), (1, 5.0))] == [None, 60.0, 5.0]
+    for odd in (0, -1, 86_400, float("nan"), "a"):
+        with pytest.raises(UserError, match=r"^rest_s"):
+            rest_between(2, odd)
 
 
 def test_a_rest_is_one_before_another_recording():

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from testbench.comparing.cell import Cell
+from testbench.comparing.compare import Comparison, Place
 from testbench.recordings.recording import Recording
 from testbench.report.figures.comparison_figures import Overlay
 from testbench.report.figures.ladder_figures import Step
@@ -44,27 +48,16 @@ def steps() -> list[Step]:
     ]
 
 
-def comparison() -> dict:
-    """The JSON of `testbench compare`, with one coordinate split by direction and one not."""
-    cells = [
-        {"low": 0.01 * i, "high": 0.01 * (i + 1), "direction": d, "mean": 0.01 * d * i, "standard_error": 0.002,
-         "share": 0.1, "t": 5.0 * d}
-        for i in range(5) for d in (1, -1)
-    ]  # fmt: skip
-    elapsed = [cell | {"direction": 0, "low": cell["low"] * 1e4, "high": cell["high"] * 1e4} for cell in cells[::2]]
-    channel = {
-        "rms": 0.12,
-        "noise_floor": 0.01,
-        "over_noise": 12.0,
-        "quick": 0.0,
-        "maps": {"strain": cells, "elapsed_s": elapsed},
-    }
-    worst = {"channel": "force", "coordinate": "strain", "share_of_error": 0.4, "cell": cells[0],
-             "words": "modelled force is 8.0 % of its range too high between 4.0 % and 5.0 % strain"}  # fmt: skip
-    return {
-        "channels": {"force": channel | {"unit": "N"}, "conductance": channel | {"unit": "ln S"}},
-        "worst": [worst],
-    }
+def comparison(worst: tuple[Place, ...] | None = None) -> Comparison:
+    """What `compare` gives, with one coordinate split by direction and one not."""
+    cells = [Cell(0.01 * i, 0.01 * (i + 1), d, 0.01 * d * i, 0.002, 0.1) for i in range(5) for d in (1, -1)]
+    elapsed = [replace(cell, direction=0, low=1e4 * cell.low, high=1e4 * cell.high) for cell in cells[::2]]
+    maps = {"strain": tuple(cells), "elapsed_s": tuple(elapsed)}
+    words = "modelled force is 8.0 % of its range too high between 4.0 % and 5.0 % strain"
+    usual = (Place("force", "strain", cells[0], 0.4, words),)
+    both = ("force", "conductance")
+    same = [dict.fromkeys(both, value) for value in (0.12, 0.01, 0.0)]
+    return Comparison(*same, dict.fromkeys(both, maps), usual if worst is None else worst)
 
 
 def score() -> dict:

@@ -29,11 +29,10 @@ PLOTLY_SHA256 = "7c593b9eda0e74a1d07335cf89cbf7a55ffc114909980c3729af835453bdb02
 
 def whole_report() -> Report:
     both, steps, compared = samples.overlay(), samples.steps(), samples.comparison()
-    maps = {channel: entry["maps"] for channel, entry in compared["channels"].items()}
     glance = Picture("glance", ladder_figures.at_a_glance(both, steps, (20.0, 60.0)), "measured and modelled")
     parts = [
         sections.recording_section(samples.recording(), "Recording <b>one</b>", "recording-1"),
-        sections.comparison_section(both, compared, maps),
+        sections.comparison_section(both, compared, compared.maps),
         sections.ladder_section(steps),
         sections.compensator_section(samples.score()),
         sections.diagnosis_section(samples.diagnosis()),
@@ -62,9 +61,8 @@ def test_every_picture_has_its_place_and_its_data() -> None:
 
 
 def test_an_error_without_a_place_is_not_called_noise() -> None:
-    both, compared = samples.overlay(), samples.comparison()
-    maps = {channel: entry["maps"] for channel, entry in compared["channels"].items()}
-    said = sections.comparison_section(both, compared | {"worst": []}, maps).items
+    compared = samples.comparison(worst=())
+    said = sections.comparison_section(samples.overlay(), compared, compared.maps).items
     assert "The error of the force and the conductance is spread out or in a few peaks: no single place can be " in (
         next(item for item in said if isinstance(item, str))
     )
@@ -179,7 +177,7 @@ def test_each_step_has_the_diagnosis_that_led_to_it(tmp_path: Path) -> None:
     taken = samples.diagnosis() | {"history": fitted["history"]}
     taken["model_after"] = {name: fitted[name] for name in ("format", "version", "effects")}
     taken["ranking"][0]["law"] = "hysteresis"  # it is in the model
-    fitted["history"].append(fitted["history"][0] | {"step": "+ hysteresis"})
+    fitted["history"] += [fitted["history"][0] | {"step": f"+ {law}"} for law in ("hysteresis", "drift")]
     model.write_text(json.dumps(fitted))
     open_still = samples.diagnosis("nothing_missing")
     names = []
@@ -191,7 +189,7 @@ def test_each_step_has_the_diagnosis_that_led_to_it(tmp_path: Path) -> None:
     page = Path(output).read_text()
     assert "Why stress relaxation was added" in page
     assert "What is missing now" in page
-    assert "With hysteresis the held-out error of the force goes from" in page
+    assert "With hysteresis and drift the held-out error of the force goes from" in page
     assert "Nothing is missing that these recordings could show (92 %)." in page
     assert 'id="candidates"' in page
     assert 'id="candidates-2"' in page

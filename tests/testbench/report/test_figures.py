@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import plotly.graph_objects
@@ -30,7 +32,7 @@ from testbench.report.figures import (
 )
 from testbench.report.figures.thumbnail import thumbnail
 from testbench.report.style import Figure
-from testbench.report.writing.static import draw
+from testbench.report.writing.static import draw, write_figure
 
 
 def residual_and_contribution():
@@ -60,7 +62,7 @@ FIGURES: dict[str, Callable[[], Figure | None]] = {
     "overlay, a stretch": lambda: comparison_figures.overlay(samples.overlay(), 20.0, 40.0),
     "modelled loops": lambda: comparison_figures.modelled_loops(samples.overlay()),
     "heat maps": lambda: residual_figures.heat_maps(samples.overlay()),
-    "profiles": lambda: residual_figures.profiles(samples.comparison()["channels"]["force"]["maps"], "force"),
+    "profiles": lambda: residual_figures.profiles(samples.comparison().maps["force"], "force"),
     "ladder": lambda: ladder_figures.ladder(samples.steps(), current=0),
     "at a glance": lambda: ladder_figures.at_a_glance(samples.overlay(), samples.steps(), (20.0, 60.0)),
     "scores": lambda: compensator_figures.before_and_after(
@@ -228,6 +230,31 @@ def test_the_window_to_look_at_is_where_the_first_model_is_worst() -> None:
     start_s, end_s = comparison_figures.busiest_window(both, 10.0)
     assert start_s <= both.time_s[1100]
     assert end_s >= both.time_s[1000]
+
+
+def test_samples_that_lie_far_apart_are_seen_as_dots(tmp_path: Path) -> None:
+    """Of a relaxation of 30 min that was sampled ever more rarely the last 23 min stayed blank."""
+    time_s = np.concatenate([np.arange(0, 60, 0.1), np.arange(60, 120, 5.0)])
+    rare = Recording(time_s, {"displacement_mm": np.ones(len(time_s)), "force_N": 2 / (1 + time_s)}, 25.0, "rare.csv")
+    figure = recording_figures.time_series(rare)
+    force = figure["data"][1]
+    dots = force["marker"]["size"] > 0
+    assert force["x"][dots].tolist() == time_s[-11:].tolist()
+    write_figure(figure, tmp_path / "rare.png")
+    assert "marker" not in recording_figures.time_series(samples.recording())["data"][1]
+
+
+def test_a_day_of_a_hold_is_told_in_hours_and_its_noise_drawn_as_a_line() -> None:
+    """It lasted 1444.0 min at 0.2 Hz (0.25 Hz), and its thumbnail was noise from bottom to top."""
+    time_s = np.arange(21_600) * 4.0
+    force_N = 3 + np.random.default_rng(1).normal(0, 0.01, len(time_s))
+    force_N[:100] = 0
+    hold = Recording(time_s, {"displacement_mm": 10.0 * (time_s > 400), "force_N": force_N}, 25.0, "hold.csv")
+    told = dict(recording_figures.summary(hold))
+    assert (told["Duration"], told["Samples"]) == ("24.0 h", "21 600 at 0.25 Hz")
+    force = re.findall(r'points="([^"]*)"', thumbnail(hold))[1]
+    heights = [float(point.split(",")[1]) for point in force.split()]
+    assert max(heights) - min(heights) < 3
 
 
 def test_thumbnail_is_one_small_svg() -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,12 +12,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tests.testbench.report.samples as samples
+from testbench import effects
+from testbench.comparing.cell import Cell
+from testbench.comparing.compare import Place
 from testbench.comparing.numbers import allowed, plain, span, with_error
+from testbench.comparing.tables import fit_table
 from testbench.knit.catalogue import baseline
+from testbench.report import overlays
 from testbench.report.downsample import liveliest
+from testbench.report.figures.comparison_figures import Overlay
+from testbench.report.overlays import LOOK_S, LOOK_SAMPLES
 from testbench.report.parameter_table import name_without_unit, parameter_table
-from testbench.report.words import odds_in_words
-from testbench.report.worst_places import LOOK_S, LOOK_SAMPLES, beyond_noise, spots
+from testbench.report.words import odds_in_words, verdict_in_words
+from testbench.results.model_file import ModelFile
 
 
 @pytest.mark.parametrize(
@@ -72,18 +81,43 @@ def test_parameters_say_what_they_are_and_what_to_doubt() -> None:
             "elasticity_shape.weights_N[0]": {"value": 0.1, "unit": "N", "standard_error": 0.1},
         },
         "at_bound": ["elasticity.stiffness_N"],
-        "unidentified": ["drift.tau_s"],
+        "unidentified": ["drift.tau_s", "elasticity.stiffness_N"],
         "correlated": [["drift.tau_s", "elasticity.stiffness_N", 0.99]],
     }
     table = parameter_table(fit, baseline())
     assert table is not None
     stiff, tau = table.rows
-    assert stiff[:2] == ("elasticity: stiffness", "5.80 ± 0.20 N")
+    assert stiff[:2] == ("elasticity: stiffness", "5.80 N"), "at a bound nothing is known of its error"
     assert stiff[3] == "at its bound; hardly told from drift: tau"
     assert tau[3].startswith("not identifiable from this recording")
     assert "N" in stiff[2]
     assert stiff[4]
     assert "Another 1 numbers" in table.caption
+
+
+def test_slips_are_told_with_their_moments() -> None:
+    """They were counted among the numbers that give shapes their form, and called so by the terminal."""
+    law = effects.ClampSlipEvents
+    model = baseline() + law(amounts=(0.02, 0.03, *(0.0,) * 10), slip_times_s=(90.0, 40.0, *(1e5,) * 10))
+    sizes = [(0.02, 1e-3), (0.03, 1e-3), (0.001, 1e-3), *[(0.0, 0.1)] * 9]
+    parameters = {
+        f"clamp_slip_events.amounts[{n}]": {"value": value, "unit": "1", "standard_error": error}
+        for n, (value, error) in enumerate(sizes)
+    }
+    fit = {
+        "parameters": parameters,
+        "at_bound": ["clamp_slip_events.amounts[3]"],
+        "unidentified": [],
+        "correlated": [],
+    }
+    table = parameter_table(fit, model)
+    assert table is not None
+    told = "0.0300 ± 0.0010 at 40.00 s; 0.0200 ± 0.0010 at 90.00 s"
+    assert table.rows == [
+        ("clamp slip events: amounts", told, "0 to 0.5", "those of this recording alone", "slips, as strain")
+    ]
+    assert "give shapes" not in table.caption
+    assert fit_table(ModelFile(model, 25.0, fit=fit)).split() == ["clamp_slip_events.amounts", *told.split()]
 
 
 @pytest.mark.parametrize(("value", "error"), [(5.699724, 5.7e-6), (-0.175, 1e-6), (0.0, 1e-6)])
@@ -98,19 +132,10 @@ def test_the_error_of_what_was_held_is_not_shown_as_knowledge(value: float, erro
     assert "±" in fitted.rows[0][1]
 
 
-def place(**cell: float) -> dict:
-    whole = {"low": 0.04, "high": 0.05, "direction": 1, "mean": -0.1, "standard_error": 0.01, "share": 0.1}
-    return {
-        "channel": "force", "coordinate": "strain", "share_of_error": 0.4, "cell": whole | cell,
-        "words": "modelled force is 8.0 % of its range too high between 4.0 % and 5.0 % strain while stretching",
-    }  # fmt: skip
-
-
-def test_nothing_is_listed_where_the_noise_is_reached() -> None:
-    comparison = samples.comparison()
-    assert len(beyond_noise(comparison)) == 1
-    comparison["channels"]["force"]["over_noise"] = 1.02
-    assert beyond_noise(comparison) == []
+def test_the_channels_that_have_reached_their_noise_are_told() -> None:
+    compared = samples.comparison()
+    assert compared.noise_reached == []
+    assert replace(compared, rms={"force": 0.0102, "conductance": 0.12}).noise_reached == ["force"]
 
 
 @given(st.integers(0, 3500))
@@ -124,16 +149,19 @@ def test_the_stretch_holds_the_burst(start: int) -> None:
     assert high - low == pytest.approx(29.95)
 
 
-def test_a_spot_is_looked_for_inside_its_cell_only() -> None:
+def test_a_spot_is_looked_for_inside_its_cell_only(monkeypatch: pytest.MonkeyPatch) -> None:
     time_s = np.arange(4000) * 0.05
     where = {"strain": np.full(4000, 0.2), "direction": np.ones(4000)}
     where["strain"][3000:3100] = 0.045
     where["direction"][3050:] = -1
-    residual = {"force": np.full(4000, 5.0)}
-    comparison = samples.comparison() | {"worst": [place()]}
-    (found,) = spots(comparison, time_s, residual, where, np.ones(4000, bool))
-    assert found.span_s[0] <= time_s[3000]
-    assert found.span_s[1] >= time_s[3049]
+    monkeypatch.setattr(overlays, "coordinates", lambda _measurement: where)
+    worst = Place("force", "strain", Cell(0.04, 0.05, 1, -0.1, 0.01, 0.1), 0.4, "too high")
+    flat = {"force": np.full(4000, 5.0)}
+    both = Overlay(time_s, where["strain"], flat, {"model": {"force": np.zeros(4000)}}, {})
+    counts = SimpleNamespace(counts=np.ones(4000, bool))
+    ((start_s, end_s),) = overlays.spans_of(samples.comparison(worst=(worst,)), counts, both)  # type: ignore[arg-type]
+    assert start_s <= time_s[3000]
+    assert end_s >= time_s[3049]
 
 
 def test_what_is_rounded_up_has_no_digit_more() -> None:
@@ -148,3 +176,18 @@ def test_evidence_is_said_as_odds_and_a_parameter_without_its_unit() -> None:
         "more than a million to one",
     ]
     assert [name_without_unit(key) for key in ("tau_s", "fraction", "gain_N")] == ["tau", "fraction", "gain"]
+
+
+@pytest.mark.parametrize(("held_N", "says"), [(0.012, ""), (0.05, "what was found does not carry over")])
+def test_a_verdict_says_as_the_terminal_does_where_what_was_found_does_not_carry_over(
+    held_N: float, says: str
+) -> None:
+    before, after = (
+        {"errors": {"calibration": {"force": one}, "held_out": {"force": held_N}}} for one in (0.1, 0.01)
+    )
+    diagnosis = samples.diagnosis() | {"history": [before, after], "noise_floor": {"force": held_N}}
+    diagnosis |= {"error_before": {"force": 0.1}, "error_after": {"force": held_N}}
+    assert len(diagnosis["found"]) == 1
+    told = verdict_in_words(diagnosis)
+    assert ("But held out the error of the force is 5 times as large: " in told) == bool(says)
+    assert says in told

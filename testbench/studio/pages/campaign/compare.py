@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from nicegui import ui
@@ -18,8 +18,7 @@ from testbench.report.figures import comparison_figures as figures
 from testbench.report.figures import residual_figures
 from testbench.report.figures.comparison_figures import Overlay
 from testbench.report.figures.recording_figures import stretches_in_words
-from testbench.report.words import with_unit
-from testbench.report.worst_places import Spot, noise_reached, why_no_place
+from testbench.report.words import sentence, with_unit
 from testbench.studio.beside import Beside, beside_choices, beside_of, side_by_side
 from testbench.studio.memory import stamp
 from testbench.studio.models import LAST_THIRD, has_model, held_out_of, judged_on, model_path
@@ -44,6 +43,8 @@ from testbench.studio.workspace import Campaign
 
 if TYPE_CHECKING:
     from testbench.api.models.comparing import ComparisonResult
+    from testbench.comparing.cell import Cell
+    from testbench.comparing.compare import Comparison
     from testbench.results.model_file import ModelFile
 
 
@@ -52,9 +53,9 @@ class View:
     """What the page shows."""
 
     both: Overlay
-    comparison: Mapping[str, Any]
-    spots: list[Spot]
-    maps: Mapping[str, Any]
+    compared: Comparison
+    spans_s: list[tuple[float, float]]  # of the worst places: when they are seen best
+    maps: Mapping[str, Mapping[str, Sequence[Cell]]]
     rms: Mapping[str, Mapping[str, float]]  # by model as drawn, then by channel
     parameters: Table | None
     notes: list[str]  # what a reader should know of the held-out recording
@@ -94,7 +95,7 @@ async def page(
         trouble(note)
     holder = ui.column().classes("w-full")
     caption = f"{figures.OVERLAY_CAPTION} Drag to zoom all rows."
-    opened: Span = asked if asked[0] is not None or not view.spots else view.spots[0].span_s
+    opened: Span = asked if asked[0] is not None or not view.spans_s else view.spans_s[0]
     seen = ZoomingPlot(partial(figures.overlay, shown), caption, shown.time_s, opened, where.note_span)
     with holder:
         _worst(view, seen)
@@ -170,7 +171,7 @@ def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
     """As `testbench compare` does it, with pictures."""
     from testbench.api.models.comparing import compare
     from testbench.comparing.model_errors import rms_errors
-    from testbench.report.overlays import as_read, failings_of, overlay_of
+    from testbench.report.overlays import as_read, maps_of, overlay_of, spans_of
     from testbench.results.model_file import load_model_file
 
     catalogue, path = studio.effects.catalogue(), model_path(studio, c)
@@ -180,7 +181,6 @@ def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
     label = spoken(str(file.history[-1]["step"])) if file.history else "model"
     drawn = ({second.label: second.model} if second else {}) | {label: file.model}
     both = overlay_of(measurement, drawn, judged.elsewhere, judged.from_s)
-    failing = failings_of(found.comparison, measurement, both, judged.elsewhere)
     rms = {
         one: rms_errors(judged.mounted(model), measurement, judged.elsewhere)
         | _kohm_error(both, one, measurement.counts, judged.elsewhere)
@@ -188,7 +188,9 @@ def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
     }
     notes = _notes(studio, c, found) if judged.elsewhere and judged.from_s is None else []
     shown, parameters = as_read(both, measurement), _parameters(file, label, second)
-    return View(shown, failing.comparison, failing.spots, failing.maps, rms, parameters, notes)
+    maps = maps_of(found.comparison, measurement, both, judged.elsewhere)
+    spans_s = spans_of(found.comparison, measurement, both)
+    return View(shown, found.comparison, spans_s, maps, rms, parameters, notes)
 
 
 def _notes(studio: Studio, c: str, found: ComparisonResult) -> list[str]:
@@ -221,28 +223,27 @@ def _parameters(file: ModelFile, label: str, second: Beside | None) -> Table | N
 
 
 def _errors(view: View, shown: Overlay) -> list[tuple[str, str]]:
-    channels = view.comparison["channels"]
     pairs = []
     for channel in shown.measured:
         fitted = "conductance" if channel == KOHM else channel
         for label, rms in reversed(list(view.rms.items())):
             whose = f" ({label})" if len(view.rms) > 1 else ""
             pairs.append((f"RMS error of the {channel}{whose}", with_unit(rms[channel], channel)))
-        pairs.append((f"the noise floor of the {fitted}", f"{channels[fitted]['over_noise']:.1f} times"))
+        pairs.append((f"the noise floor of the {fitted}", f"{view.compared.over_noise[fitted]:.1f} times"))
     return pairs
 
 
 def _worst(view: View, seen: ZoomingPlot) -> None:
     with ui.column().classes("card gap-0"):
         subheading("Where it fails, the worst first")
-        for number, spot in enumerate(view.spots, 1):
-            with ui.element("button").classes("finding").on("click", partial(seen.look, *spot.span_s)):
+        compared = view.compared
+        for number, (place, span_s) in enumerate(zip(compared.worst, view.spans_s, strict=True), 1):
+            with ui.element("button").classes("finding").on("click", partial(seen.look, *span_s)):
                 ui.label(str(number)).classes("rank")
-                ui.label(spot.words).classes("grow words")
-                ui.label(f"{100 * spot.share_of_error:.0f} % of the squared error").classes("tag")
-        channels = view.comparison["channels"]
-        quiet = noise_reached(channels)
+                ui.label(place.words).classes("grow words")
+                ui.label(f"{100 * place.share_of_error:.0f} % of the squared error").classes("tag")
+        quiet = compared.noise_reached
         if quiet:
             ui.label(f"Nothing but noise is left in the {' and the '.join(quiet)}.").classes("quiet")
-        if not view.spots and len(quiet) < len(channels):
-            ui.label(why_no_place(channels)).classes("quiet")
+        if not compared.worst and len(quiet) < len(compared.rms):
+            ui.label(sentence(compared.places[0])).classes("quiet")

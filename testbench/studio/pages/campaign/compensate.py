@@ -125,22 +125,28 @@ class _Judging:
         """What is left out is said here; see `offer`."""
         self.said = ui.label().classes("quiet text-sm")
         self.offer(method)
+        self.field.on_value_change(self._tell)
 
     def offer(self, method: str) -> None:
         """Offer those that last as long as the method remembers; what was chosen stays, at first some of the same."""
-        least_s = TUNED_REMEMBERS_S if method == TUNED else REMEMBERS_S
-        options = [name for name, span_s in self.lasts_s.items() if span_s >= least_s]
+        self.least_s = TUNED_REMEMBERS_S if method == TUNED else REMEMBERS_S
+        options = [name for name, span_s in self.lasts_s.items() if span_s >= self.least_s]
         chosen = self.field.value if self.field.options else self.same
         kept = [name for name in chosen if name in options]
         self.field.set_options(options, value=kept if self.field.options else kept[:AT_FIRST])
-        self.said.set_text(self._words(len(options), least_s))
+        self._tell()
 
-    def _words(self, offered: int, least_s: float) -> str:
-        short = len(self.lasts_s) - offered
-        left_out = f"{short} shorter than the {least_s:.0f} s that this method may remember cannot be judged on."
-        alone = f"No other campaign of this gauge length has resistance and {self.target}"
-        alone += (" for so long" if short else "") + ": the score will be that of the training itself."
-        return " ".join([left_out] * bool(short) + [alone] * (not offered))
+    def _tell(self) -> None:
+        short = len(self.lasts_s) - len(self.field.options)
+        said = [f"{short} shorter than the {self.least_s:.0f} s that this method may remember cannot be judged on."]
+        none = (
+            f"No other campaign of this gauge length has resistance and {self.target}{' for so long' * bool(short)}"
+        )
+        alone = "Nothing is chosen to judge on" if self.field.options else none
+        said = said * bool(short) + [f"{alone}: the score will be that of the training itself."] * (
+            not self.field.value
+        )
+        self.said.set_text(" ".join(said))
 
 
 def _scorable(studio: Studio, names: Sequence[str], target: str) -> list[str]:

@@ -48,6 +48,9 @@ async def test_recordings_that_end_before_the_method_forgets_are_left_out(
     method.set_value("4,2,2")
     assert judged.options == ["cuff", "long"]
     assert judged.value == ["long"], "what was chosen stays"
+    await user.should_not_see("Nothing is chosen to judge on")
+    judged.set_value([])
+    await user.should_see("Nothing is chosen to judge on: the score will be that of the training itself.")
 
 
 @pytest.mark.asyncio
