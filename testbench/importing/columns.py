@@ -192,7 +192,7 @@ def _clock_unit(clock: Column, main: Taken) -> Unit | None:
 def _note(read: Read, column: Column, cells, wrong: int | None, kind: str, decimal: str = "") -> None:
     if wrong is None:
         return
-    name, cell = column.heading.text or column.label, str(cells.iloc[wrong])
+    name, cell = shortened(column.heading.text) or column.label, str(cells.iloc[wrong])
     remedy = "--drop-bad leaves such rows out"
     if not decimal:
         remedy = why_unclear(cell) or remedy

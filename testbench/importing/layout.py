@@ -16,9 +16,9 @@ TOP_ROWS = 50  # of numbers that tell how wide a table is
 LOOK_UP = 8  # filled rows above the numbers in which names and units are looked for
 
 
-def shortened(text: str) -> str:
+def shortened(text: str, length: int = SHOWN) -> str:
     """A name as messages show it."""
-    return text if len(text) <= SHOWN else f"{text[: SHOWN - 1]}…"
+    return text if len(text) <= length else f"{text[: length - 1]}…"
 
 
 @dataclass(frozen=True)

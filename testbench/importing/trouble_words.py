@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from testbench.importing.choice import FLAGS, UNIT_FLAGS, Trouble
-from testbench.importing.layout import Column, Layout
+from testbench.importing.layout import Column, Layout, shortened
 from testbench.importing.said import described
 from testbench.importing.vocabulary.laboratory_units import symbols
 from testbench.importing.vocabulary.roles import ROLES
@@ -46,7 +46,7 @@ def several(columns: Sequence[Column]) -> str:
 def unit_unknown(column: Column) -> str:
     """Why the unit of a column is not known, in words."""
     return (
-        f"its unit {column.unit_text!r} cannot be read as one"
+        f"its unit {shortened(column.unit_text)!r} cannot be read as one"
         if column.unit_text
         else "the file does not say its unit"
     )

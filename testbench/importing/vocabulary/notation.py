@@ -39,6 +39,12 @@ _BEFORE_PARTS = re.compile(r"(:\d{2})(?:,(?=\d)|:(?=\d{3}(?!\d)))")  # 30,5 s; a
 _ZONE = re.compile(r"(?<=[\dM.]) ([A-Z]{3,5})$")  # CET, behind digits or AM
 HALF_DAY_S = 43_200.0
 MISSING = {"", "nan", "na", "n/a", "-", "--", "---", "null", "none", "inf", "-inf", "#n/a"}
+MISSING |= {
+    f"{sign}{start}#{what}"
+    for sign in ("", "-")
+    for start in ("", "1.", "1,")
+    for what in ("inf", "ind", "qnan", "snan")
+}
 
 
 def _with_hyphen(cell: str) -> str:

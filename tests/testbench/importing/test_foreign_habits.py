@@ -61,7 +61,7 @@ def test_lines_that_ran_together_are_no_row_even_at_the_top(tmp_path, hints):
     path = _lines(tmp_path / "serial.csv", HEADER, *lines)
     columns = {"time": "1", "displacement": "2", "force": "3"} if hints.header_row == 0 else {}
     units = {"time": "s", "displacement": "mm", "force": "N"} if columns else {}
-    with pytest.raises(UserError, match=r"row 11: .* must be a number, got '0.9,4.5,1.0,5.0 .more than 3 cells"):
+    with pytest.raises(UserError, match=r"row 11: .* must be a number, got '0.9,4.5,1.0,5.0,5.2 .more than 3 cells"):
         import_csv(path, Wish(40.0, columns, units, hints=hints))
     found = import_csv(path, Wish(40.0, columns, units, drop_bad=True, hints=hints))
     assert (found.dropped, len(found.recording)) == (1, 38)
