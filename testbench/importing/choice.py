@@ -29,11 +29,13 @@ class Taken:
     unit : Unit or None
         None for a time given as dates.
     unit_from : str
-        Where the unit was read: ``header``, ``row 2``, or the option that gave it.
+        Where the unit was read: ``header``, ``row 2``, the column of the units, or the option that gave it.
     clock : Column or None
         The column of its own times, where that is another one than `time`'s.
     days : Column or None
         The column of the days that times of day are of.
+    units : Column or None
+        The column beside it that says the unit of each row, as multimeters write it.
     """
 
     role: str
@@ -42,11 +44,12 @@ class Taken:
     unit_from: str
     clock: Column | None = None
     days: Column | None = None
+    units: Column | None = None
 
     @property
     def columns(self) -> tuple[Column, ...]:
         """All columns that it is read from."""
-        return tuple(column for column in (self.column, self.clock, self.days) if column)
+        return tuple(column for column in (self.column, self.clock, self.days, self.units) if column)
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,15 @@ from testbench.importing.files.opening import open_sheet
 from testbench.importing.gauge import gauge_doubts
 from testbench.importing.imported import Imported
 from testbench.importing.layout import Column, misfit
-from testbench.importing.rows import channels_of, check_change, in_order, mostly_one_gap, repeats_of, usable
+from testbench.importing.rows import (
+    channels_of,
+    check_change,
+    in_order,
+    mostly_one_gap,
+    repeats_of,
+    usable,
+    zero_set_anew,
+)
 from testbench.importing.said import idle_words
 from testbench.importing.sheet import Sheet
 from testbench.importing.signs import doubts, turned, zeroed
@@ -174,8 +182,8 @@ def _recorded(
     recording = Recording(when_s - when_s[0], picked, gauge_mm, str(path))
     done = Imported(recording, label, int((~kept).sum()), moved, repeated, float(when_s[0]), dict(read.words))
     done.doubts = [*_doubts(choice, recording, wish), *gauge_doubts(sheet, choice, read, wish.gauge_length_mm)]
-    done.doubts += mostly_one_gap(when_s, numbers_of[index])
-    done.notes = [*choice.notes, *told, *_remarks(choice, recording, wish)]
+    done.doubts += [*mostly_one_gap(when_s, numbers_of[index]), *zero_set_anew(picked, numbers_of[index])]
+    done.notes = [*choice.notes, *read.notes, *told, *_remarks(choice, recording, wish)]
     done.details = _details(sheet, choice, wish, done)
     return done
 
@@ -234,6 +242,7 @@ def _details(sheet: Sheet, choice: Choice, wish: Wish, done: Imported) -> dict[s
         }
         | ({"clock": _named(one.clock)} if one.clock else {})
         | ({"days": _named(one.days)} if one.days else {})
+        | ({"units": _named(one.units)} if one.units else {})
         for role, one in choice.taken.items()
     }
     details: dict[str, Any] = {"file": sheet.path.name, "sha256": sha256_of(sheet.path), "columns": columns}

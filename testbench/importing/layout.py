@@ -109,9 +109,9 @@ def misfit(rows: Rows, layout: Layout, whole_names: bool = False) -> str:
     body = _numbers_of(rows, layout.first_row - 1)
     most, filled = max(map(len, body)), _usual_width(body)
     for what, row in (("names", layout.header_row), ("units", layout.units_row)):
-        too_many = row is not None and width_of(rows[row - 1]) > most and not whole_names
-        if row is not None and (too_many or filled > len(rows[row - 1])):
-            return f"row {row} has {width_of(rows[row - 1])} {what}, the rows of numbers below it {filled} columns"
+        cells = _of_table(rows[row - 1], filled) if row else []
+        if row and ((width_of(cells) > most and not whole_names) or filled > len(cells)):
+            return f"row {row} has {width_of(cells)} {what}, the rows of numbers below it {filled} columns"
     return ""
 
 
@@ -135,6 +135,11 @@ def is_data(cells: Sequence[str]) -> bool:
 def width_of(cells: Sequence[str]) -> int:
     """Cells up to the last filled one."""
     return max((place for place, cell in enumerate(cells, 1) if cell.strip()), default=0)
+
+
+def _of_table(cells: Sequence[str], width: int) -> Sequence[str]:
+    """A row without what stands beside a table of this width, behind an empty cell."""
+    return cells if cells[width : width + 1] != [""] else cells[:width]
 
 
 def count_numbers(cells: Sequence[str]) -> int:
@@ -221,7 +226,8 @@ def _above(rows: Rows, start: int, width: int) -> list[int]:
     places = [place for place in range(start - 1, -1, -1) if width_of(rows[place])]
     for place in places[:LOOK_UP]:
         filled = sum(bool(cell.strip()) for cell in rows[place])
-        if not (2 * filled > width or width <= 2 or _speaks(rows[place])) or width_of(rows[place]) > width + 1:
+        too_wide = width_of(_of_table(rows[place], width)) > width + 1
+        if not (2 * filled > width or width <= 2 or _speaks(rows[place])) or too_wide:
             break
         found.append(place)
     return found
@@ -259,9 +265,9 @@ def _units_between(rows: Rows, header: int | None, start: int, width: int) -> in
 
 
 def _columns(rows: Rows, header: int | None, units_row: int | None, start: int) -> tuple[Column, ...]:
-    names = list(rows[header - 1]) if header else []
-    units = list(rows[units_row - 1]) if units_row else []
-    width = max(_usual_width(_numbers_of(rows, start)), width_of(names))
+    width = _usual_width(_numbers_of(rows, start))
+    names, units = (_of_table(rows[row - 1], width) if row else [] for row in (header, units_row))
+    width = max(width, width_of(names))
     return tuple(_column(place + 1, _cell(names, place), _cell(units, place), units_row) for place in range(width))
 
 
