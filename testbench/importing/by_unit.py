@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from testbench.importing.choice import NAMED, UNIT_FLAGS, Choice, Said, Taken, Trouble
+from testbench.importing.choice import NAMED, UNIT_FLAGS, Choice, Taken, Trouble
 from testbench.importing.layout import Column
 from testbench.importing.vocabulary.laboratory_units import Unit, given_unit, units_spelt
 from testbench.importing.vocabulary.roles import ROLES
+from testbench.importing.wish import Wish
 
 DATE = "date"
 
 
-def take(choice: Choice, role: str, column: Column, clock: Column | None, said: Said, when: set[int]) -> None:
+def take(choice: Choice, role: str, column: Column, clock: Column | None, wish: Wish, when: set[int]) -> None:
     """Settle the unit of a column."""
-    given = said.units.get(role)
+    given = wish.units.get(role)
     if role == "time" and (given == DATE or (given is None and column.number in when)):
         choice.taken[role] = Taken(role, column, None, "its dates")
         return
@@ -34,7 +35,7 @@ def take(choice: Choice, role: str, column: Column, clock: Column | None, said: 
     else:
         where = column.unit_from or NAMED
     choice.taken[role] = Taken(role, column, from_file, where, clock)
-    if role.startswith("relative") and not said.has_r0:
+    if role.startswith("relative") and not wish.r0_ohm is not None:
         choice.troubles.append(Trouble("r0", role, (column,)))
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from testbench.importing.layout import Column
@@ -77,14 +76,3 @@ class Choice:
     troubles: list[Trouble] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     unused: tuple[Column, ...] = ()
-
-
-@dataclass(frozen=True)
-class Said:
-    """What a person said: columns by name or by number from 1 (``none``: not there), units, clocks by role."""
-
-    columns: Mapping[str, str] = field(default_factory=dict)
-    units: Mapping[str, str] = field(default_factory=dict)
-    clocks: Mapping[str, str] = field(default_factory=dict)
-    has_rate: bool = False
-    has_r0: bool = False

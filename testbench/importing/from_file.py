@@ -29,11 +29,10 @@ from testbench.importing.rows import (
     usable,
     zero_set_anew,
 )
-from testbench.importing.said import idle_words
 from testbench.importing.sheet import Sheet
 from testbench.importing.signs import doubts, turned, zeroed
 from testbench.importing.tables_above import left_out, passed_over
-from testbench.importing.trouble_words import in_words
+from testbench.importing.trouble_words import idle_words, in_words
 from testbench.importing.vocabulary.laboratory_units import units_spelt
 from testbench.importing.vocabulary.notation import numbers
 from testbench.importing.vocabulary.roles import STRETCH, counts_repeats, speaks_about
@@ -70,7 +69,7 @@ def look(path: Path, wish: Wish) -> tuple[Sheet, Choice]:
     if not wish.hints.header_row and (lost := left_out(sheet.head, sheet.layout)):
         raise UserError(f"{path}: {lost}")
     try:
-        choice = choose(sheet.layout, sheet.head, wish.said())
+        choice = choose(sheet.layout, sheet.head, wish)
     except UserError as error:
         raise UserError(f"{path}: {error}") from None
     choice.notes += passed_over(sheet.head, sheet.layout)
@@ -90,7 +89,7 @@ def import_file(path: Path, wish: Wish) -> list[Imported]:
     if choice.troubles:
         first = sheet.head[sheet.layout.first_row - 1]
         raise UserError(f"{path}: {in_words(choice.troubles, sheet.layout, first)}")
-    if idle := idle_words(choice, wish.said()):
+    if idle := idle_words(choice, wish):
         raise UserError(f"{path}: {idle}")
     if wish.gauge_length_mm is None and STRETCH & set(choice.taken):
         raise UserError(

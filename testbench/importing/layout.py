@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import mode
 
+from gcode.support.errors import UserError
 from testbench.importing.vocabulary.headings import Heading, power_of_ten, read_heading
 from testbench.importing.vocabulary.laboratory_units import units_spelt
 from testbench.importing.vocabulary.notation import MISSING, is_number, is_when
@@ -288,3 +289,34 @@ def _column(number: int, name: str, below: str, units_row: int | None) -> Column
     if not units_spelt(bare):
         return Column(number, heading, heading.unit_text, "header")
     return Column(number, heading, f"{heading.unit_text} | {bare}", f"header and row {units_row}")
+
+
+def column_of(layout: Layout, text: str) -> Column:
+    """The column that a person named, by its header cell, its name without unit, or its number from 1.
+
+    Raises
+    ------
+    UserError
+        If there is no such column, or the name stands twice.
+    """
+    for same in (
+        [column for column in layout.columns if column.heading.text == text.strip()],
+        [column for column in layout.columns if column.heading.base == text.strip()],
+    ):
+        if len(same) == 1:
+            return same[0]
+        if same:
+            where = " and ".join(str(column.number) for column in same)
+            raise UserError(f"the columns {where} are both called {text!r}; say which by its number")
+    if text.strip().isdigit() and 1 <= int(text) <= len(layout.columns):
+        return layout.columns[int(text) - 1]
+    raise UserError(f"no column {text!r}; {described(layout)}")
+
+
+def described(layout: Layout) -> str:
+    """The columns of a file in words."""
+    names = [shortened(column.heading.text) or f"(column {column.number})" for column in layout.columns]
+    shown = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
+    if layout.header_row is None:
+        return f"no header was found above the {len(names)} columns, which are numbered from 1"
+    return f"row {layout.header_row} has: {shown}"

@@ -93,16 +93,6 @@ class TextSheet(Sheet):
     separator: str
     encoding: str
 
-    def body(self, numbers: Sequence[int]) -> pd.DataFrame:
-        """The columns with these numbers, from the first row of numbers on."""
-        import pandas as pd
-
-        try:
-            return self._read(sorted(set(numbers)))
-        except (pd.errors.ParserError, UnicodeError) as error:
-            said = in_words(error, self.layout.first_row - 1)
-            raise UserError(f"{self.path}: {said}; check the export, or name --separator") from None
-
     @property
     def parts_sentences(self) -> bool:
         """Whether each word of a remark is a cell of its own."""
@@ -142,29 +132,34 @@ class TextSheet(Sheet):
         usual = mode(map(len, rows))
         return next(cells for cells in rows if len(cells) == usual)
 
-    def _read(self, numbers: list[int]) -> pd.DataFrame:
-        """The columns with these numbers; no number in a row whose cells may stand in columns that are not theirs.
+    def body(self, numbers: Sequence[int]) -> pd.DataFrame:
+        """The columns with these numbers, from the first row of numbers on.
 
-        The first cell of such a row becomes the row as it came.
+        Of a row whose cells may stand in columns that are not theirs, the first is the row as it came, the rest none.
         """
         import pandas as pd
 
-        names = list(range(max(numbers)))
-        with self._opened() as stream:
-            headed = _Headed(names, self.separator, len(self._typical), stream)
-            frame = pd.read_csv(
-                headed,
-                sep=r"\s+" if self.separator == BLANKS else self.separator,
-                decimal=self.decimal,
-                header=0,
-                names=names,
-                usecols=[number - 1 for number in numbers],
-                na_values=[END_OF_TEXT],
-                skip_blank_lines=False,
-                skipinitialspace=True,
-                index_col=False,
-                low_memory=False,
-            )
+        numbers = sorted(set(numbers))
+        names = list(range(numbers[-1]))
+        try:
+            with self._opened() as stream:
+                headed = _Headed(names, self.separator, len(self._typical), stream)
+                frame = pd.read_csv(
+                    headed,
+                    sep=r"\s+" if self.separator == BLANKS else self.separator,
+                    decimal=self.decimal,
+                    header=0,
+                    names=names,
+                    usecols=[number - 1 for number in numbers],
+                    na_values=[END_OF_TEXT],
+                    skip_blank_lines=False,
+                    skipinitialspace=True,
+                    index_col=False,
+                    low_memory=False,
+                )
+        except (pd.errors.ParserError, UnicodeError) as error:
+            said = in_words(error, self.layout.first_row - 1)
+            raise UserError(f"{self.path}: {said}; check the export, or name --separator") from None
         frame = frame.set_axis(numbers, axis=1)
         if headed.lines > len(frame):  # some cell goes over several lines
             with self._opened() as stream:
