@@ -55,8 +55,8 @@ class _Headed(io.TextIOBase):
 
     Attributes
     ----------
-    lines : int
-        Lines that were read below the header.
+    lines, last : int
+        Lines that were read below the header, and the place of the last that is not blank.
     odd : dict of int to (int, str)
         Those that have another number of cells than usual, blank ones aside: by place, how many, and the line.
     """
@@ -64,7 +64,7 @@ class _Headed(io.TextIOBase):
     def __init__(self, names: Sequence[int], separator: str, usual: int, stream: io.TextIOWrapper) -> None:
         self._header = separator.join(map(str, names)) + "\n"
         self._separator, self._usual, self._stream = separator, usual, stream
-        self.lines, self.odd = 0, dict[int, tuple[int, str]]()
+        self.lines, self.last, self.odd = 0, 0, dict[int, tuple[int, str]]()
 
     def read(self, size: int | None = -1) -> str:
         """The header at first, then what is in the stream, in whole lines."""
@@ -72,18 +72,22 @@ class _Headed(io.TextIOBase):
             self._header = ""
             return header
         text = _stamps_apart(self._stream.read(size) + self._stream.readline(), self._separator)
-        for line in text.removesuffix("\n").split("\n") if text else ():
-            if (count := _count(line, self._separator)) != self._usual and line.strip():
-                self.odd[self.lines] = count, line
-            self.lines += 1
+        lines = text.removesuffix("\n").split("\n") if text else []
+        counts = _counts(lines, self._separator)
+        if counts.count(self._usual) < len(lines):
+            filled = [place for place, line in enumerate(lines) if line.strip()]
+            self.last = self.lines + filled[-1] if filled else self.last
+            self.odd |= {self.lines + n: (counts[n], lines[n]) for n in filled if counts[n] != self._usual}
+        elif lines:
+            self.last = self.lines + len(lines) - 1
+        self.lines += len(lines)
         return text
 
 
-def _count(line: str, separator: str) -> int:
-    """How many cells a line has."""
-    if '"' in line:
-        line = QUOTED.sub('"', line)
-    return len(line.split()) if separator == BLANKS else line.count(separator) + 1
+def _counts(lines: Sequence[str], separator: str) -> list[int]:
+    """How many cells each line has."""
+    plain = [QUOTED.sub('"', line) if '"' in line else line for line in lines]
+    return [len(line.split()) if separator == BLANKS else line.count(separator) + 1 for line in plain]
 
 
 @dataclass(frozen=True)
@@ -164,30 +168,34 @@ class TextSheet(Sheet):
         if headed.lines > len(frame):  # some cell goes over several lines
             with self._opened() as stream:
                 check_quotes(self.path, stream, self.separator, self.layout.first_row, _has_numbers)
-        elif headed.odd and (moved := self._moved(headed.odd)):
+        elif headed.odd and (moved := self._moved(headed.odd, headed.last)):
             gone = frame.index.isin(moved)
             frame = frame.apply(lambda column: column.mask(gone)).astype({numbers[0]: object})
             frame.loc[list(moved), numbers[0]] = list(moved.values())
         return frame
 
-    def _moved(self, odd: Mapping[int, tuple[int, str]]) -> dict[int, str]:
+    def _moved(self, odd: Mapping[int, tuple[int, str]], last: int) -> dict[int, str]:
         """Rows, by place, whose cells may stand in columns that are not theirs, as they came and in words.
 
         Where a row has more cells than there are columns, one was parted in two, as ``1,5`` is by commas, unless what
-        stands beside the table are words. Where it has fewer than usual, it was cut, or two cells ran together: only
-        a spreadsheet leaves out empty cells at the end, of many rows at once. Blanks that part cells leave out any.
+        stands beside the table are words. Where it has fewer than usual, it was cut, or two cells ran together: what
+        leaves out empty cells at the end does so in many rows at once, or in all to the `last`. Where blanks part the
+        cells, any may be the one that is missing.
         """
         usual = len(self._typical)
         most = max(usual, len(self.layout.columns))
         places, counts = np.array(list(odd)), np.array([count for count, _ in odd.values()])
         found = {}
         for run in np.split(places, np.flatnonzero((np.diff(places) != 1) | (np.diff(counts) != 0)) + 1):
-            count = odd[run[0]][0]
-            few = count < usual and (len(run) < BLOCK_ROWS or self.separator == BLANKS)
-            why = f"fewer than {usual}" if few else f"more than {most}"
-            for place in run.tolist() if few or count > most else ():
+            ends = len(run) >= (2 if run[-1] == last else BLOCK_ROWS) and self.separator != BLANKS
+            for place in () if ends and odd[run[0]][0] < usual else run.tolist():
                 cells = _split([odd[place][1]], self.separator)[0]
-                if count_numbers(cells) if few else not self._goes_beside(cells):
+                why = ""
+                if len(cells) < usual and count_numbers(cells):
+                    why = f"fewer than {usual}"
+                elif len(cells) > most and not self._goes_beside(cells):
+                    why = f"more than {most}"
+                if why:
                     found[place] = f"{shortened(self.separator.join(cells), SHOWN // 2)} ({why} cells)"
         return found
 

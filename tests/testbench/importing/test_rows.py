@@ -108,6 +108,18 @@ def test_empty_cells_that_a_spreadsheet_leaves_out_or_adds_at_the_end_of_rows_sh
     assert recording["force_N"].tolist() == [n + 0.5 for n in range(40)]
 
 
+def test_a_column_that_ends_before_the_others_shifts_nothing(tmp_path):
+    """As that of a slower clock does, or the last rows of a spreadsheet that have no remark."""
+    lines = [*COUNTED[:-3], *(line.rpartition(",")[0] for line in COUNTED[-3:]), ""]
+    assert len(import_csv(written(tmp_path, "\n".join(lines)), Wish(40.0)).recording) == 40
+
+
+@pytest.mark.parametrize("remark", ['"one, two"', '2" wide, 3" long', '"so ""called"", it is"', "strip, cut"])
+def test_a_remark_with_separators_and_quotation_marks_is_no_lost_cell(tmp_path, remark):
+    lines = [*COUNTED[:5], f"{COUNTED[5]},{remark}", *COUNTED[6:]]
+    assert len(import_csv(written(tmp_path, "\n".join(lines)), Wish(40.0)).recording) == 40
+
+
 def test_a_remark_between_blanks_is_no_other_table(tmp_path):
     path = written(tmp_path, blanks((2, "paused by an operator")))
     with pytest.raises(UserError, match=r"row 4: Time\(s\) must be a number, got 'paused'.*--drop"):
