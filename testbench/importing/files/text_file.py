@@ -45,6 +45,7 @@ BETWEEN_NAMES = (re.compile(r"\s*[,;|\t]\s*"), re.compile(r"\t+| {2,}"))
 STAMPED = r"(?m)^(\d{1,2}:\d{2}:\d{2}[.,]\d{3}) -?>[ \t]?"
 END_OF_TEXT = "\x1a"  # of DOS, which some loggers still write below the last row
 AFTER_A_UNIT = re.compile(r"(?<=[)\]])\s+")
+WORDS = re.compile(r'"[^"]*"|\S+')
 QUOTED = re.compile(r'"[^"\n]*"')
 # A spreadsheet leaves out the empty cells at the ends of rows in as many rows at once (Microsoft KB 77295).
 BLOCK_ROWS = 16
@@ -282,7 +283,7 @@ def _at_blanks(line: str) -> list[str]:
 
     That is a comma or the like, a wider gap, or the bracket behind the unit of each.
     """
-    cells = line.split()
+    cells = [cell.strip('"') for cell in WORDS.findall(line)]
     if is_data(cells):
         return cells
     for between in BETWEEN_NAMES:

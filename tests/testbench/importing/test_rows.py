@@ -120,6 +120,18 @@ def test_a_remark_with_separators_and_quotation_marks_is_no_lost_cell(tmp_path, 
     assert len(import_csv(written(tmp_path, "\n".join(lines)), Wish(40.0)).recording) == 40
 
 
+def test_words_in_quotation_marks_between_blanks_are_one_cell(tmp_path):
+    lines = [f'{line.replace(",", " ")} "knit 1"' for line in COUNTED[1:]]
+    path = written(tmp_path, "\n".join(["t_s x_mm F_N Cycle Specimen", *lines]))
+    assert import_csv(path, Wish(40.0)).recording["force_N"].tolist() == [n + 0.5 for n in range(40)]
+
+
+def test_the_unit_behind_a_name_that_says_nothing_is_read_where_a_person_says_what_it_is(tmp_path):
+    path = written(tmp_path, "\n".join(["t_s,ext_cm,dms_mN", *(f"{n},{n},{n}" for n in range(9))]))
+    recording = import_csv(path, Wish(40.0, {"displacement": "ext_cm", "force": "3"})).recording
+    assert (recording["displacement_mm"][1], recording["force_N"][1]) == (10, 0.001)
+
+
 def test_a_remark_between_blanks_is_no_other_table(tmp_path):
     path = written(tmp_path, blanks((2, "paused by an operator")))
     with pytest.raises(UserError, match=r"row 4: Time\(s\) must be a number, got 'paused'.*--drop"):
