@@ -56,16 +56,16 @@ class _Headed(io.TextIOBase):
 
     Attributes
     ----------
-    lines, last : int
-        Lines that were read below the header, and the place of the last that is not blank.
-    odd : dict of int to (int, str)
-        Those that have another number of cells than usual, blank ones aside: by place, how many, and the line.
+    lines : int
+        Lines that were read below the header.
+    odd : dict of int to str
+        Those that have another number of cells than usual, blank ones aside, by place.
     """
 
     def __init__(self, names: Sequence[int], separator: str, usual: int, stream: io.TextIOWrapper) -> None:
         self._header = separator.join(map(str, names)) + "\n"
         self._separator, self._usual, self._stream = separator, usual, stream
-        self.lines, self.last, self.odd = 0, 0, dict[int, tuple[int, str]]()
+        self.lines, self.odd = 0, dict[int, str]()
 
     def read(self, size: int | None = -1) -> str:
         """The header at first, then what is in the stream, in whole lines."""
@@ -76,11 +76,8 @@ class _Headed(io.TextIOBase):
         lines = text.removesuffix("\n").split("\n") if text else []
         counts = _counts(lines, self._separator)
         if counts.count(self._usual) < len(lines):
-            filled = [place for place, line in enumerate(lines) if line.strip()]
-            self.last = self.lines + filled[-1] if filled else self.last
-            self.odd |= {self.lines + n: (counts[n], lines[n]) for n in filled if counts[n] != self._usual}
-        elif lines:
-            self.last = self.lines + len(lines) - 1
+            found = enumerate(zip(counts, lines, strict=True), self.lines)
+            self.odd |= {place: line for place, (count, line) in found if count != self._usual and line.strip()}
         self.lines += len(lines)
         return text
 
@@ -166,33 +163,37 @@ class TextSheet(Sheet):
             said = in_words(error, self.layout.first_row - 1)
             raise UserError(f"{self.path}: {said}; check the export, or name --separator") from None
         frame = frame.set_axis(numbers, axis=1)
+        odd = {place: _split([line], self.separator)[0] for place, line in headed.odd.items()}
         if headed.lines > len(frame):  # some cell goes over several lines
             with self._opened() as stream:
                 check_quotes(self.path, stream, self.separator, self.layout.first_row, _has_numbers)
-        elif headed.odd and (moved := self._moved(headed.odd, headed.last)):
+            with self._opened() as stream:
+                rows = csv.reader(stream, delimiter=self.separator, skipinitialspace=True)
+                odd = {place: cells for place, cells in enumerate(rows) if len(cells) not in (0, len(self._typical))}
+        if odd and (moved := self._moved(odd, frame)):
             gone = frame.index.isin(moved)
             frame = frame.apply(lambda column: column.mask(gone)).astype({numbers[0]: object})
             frame.loc[list(moved), numbers[0]] = list(moved.values())
         return frame
 
-    def _moved(self, odd: Mapping[int, tuple[int, str]], last: int) -> dict[int, str]:
+    def _moved(self, odd: Mapping[int, Sequence[str]], frame: pd.DataFrame) -> dict[int, str]:
         """Rows, by place, whose cells may stand in columns that are not theirs, as they came and in words.
 
         Where a row has more cells than there are columns, one was parted in two, as ``1,5`` is by commas, unless what
         stands beside the table are words. Where it has fewer than usual, it was cut, or two cells ran together: what
-        leaves out empty cells at the end does so in many rows at once, or in all to the `last`. Where blanks part the
+        leaves out empty cells at the end does so in many rows at once, or in all to the last. Where blanks part the
         cells, any may be the one that is missing.
         """
         usual = len(self._typical)
         most = max(usual, len(self.layout.columns))
-        places, counts = np.array(list(odd)), np.array([count for count, _ in odd.values()])
+        last = np.flatnonzero(frame.notna().any(axis=1)).max(initial=0)
+        places, counts = np.array(list(odd)), np.array(list(map(len, odd.values())))
         found = {}
         for run in np.split(places, np.flatnonzero((np.diff(places) != 1) | (np.diff(counts) != 0)) + 1):
             ends = len(run) >= (2 if run[-1] == last else BLOCK_ROWS) and self.separator != BLANKS
-            for place in () if ends and odd[run[0]][0] < usual else run.tolist():
-                cells = _split([odd[place][1]], self.separator)[0]
-                why = ""
-                if len(cells) < usual and count_numbers(cells):
+            for place in run.tolist():
+                cells, why = odd[place], ""
+                if len(cells) < usual and not ends and count_numbers(cells):
                     why = f"fewer than {usual}"
                 elif len(cells) > most and not self._goes_beside(cells):
                     why = f"more than {most}"

@@ -120,6 +120,14 @@ def test_a_remark_with_separators_and_quotation_marks_is_no_lost_cell(tmp_path, 
     assert len(import_csv(written(tmp_path, "\n".join(lines)), Wish(40.0)).recording) == 40
 
 
+def test_cells_that_moved_are_seen_below_a_remark_of_two_lines(tmp_path):
+    lines = [*COUNTED[:5], f'{COUNTED[5]},"washed\ntwice"', *COUNTED[6:20], "19,5,95.0,19.5,3", *COUNTED[21:]]
+    with pytest.raises(UserError, match=r"row \d+: .*got '19,5,95.0,19.5,3 .more than 4 cells"):
+        import_csv(written(tmp_path, "\n".join(lines)), Wish(40.0))
+    lines[20] = COUNTED[20]
+    assert len(import_csv(written(tmp_path, "\n".join(lines)), Wish(40.0)).recording) == 40
+
+
 def test_words_in_quotation_marks_between_blanks_are_one_cell(tmp_path):
     lines = [f'{line.replace(",", " ")} "knit 1"' for line in COUNTED[1:]]
     path = written(tmp_path, "\n".join(["t_s x_mm F_N Cycle Specimen", *lines]))
