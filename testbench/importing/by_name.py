@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from testbench.importing.choice import ELECTRICAL, NOT_THERE, Choice, Said
-from testbench.importing.layout import Column, Layout
-from testbench.importing.said import column_of
+from testbench.importing.choice import ELECTRICAL, NOT_THERE, Choice
+from testbench.importing.layout import Column, Layout, column_of
 from testbench.importing.vocabulary.roles import ROLES, STRETCH, SYMBOL, is_generic, is_letter
+from testbench.importing.wish import Wish
 
 MISFIT = 10  # how much less plainly a column is what its name says where its unit is of something else
 
 
-def searched(layout: Layout, said: Said, picked: Mapping[str, Column]) -> dict[str, list[Column]]:
+def searched(layout: Layout, wish: Wish, picked: Mapping[str, Column]) -> dict[str, list[Column]]:
     """For each role that nobody spoke of, the columns that fit it best."""
     taken = {id(column) for column in picked.values()}
-    taken |= {id(column_of(layout, text)) for text in said.clocks.values()}
+    taken |= {id(column_of(layout, text)) for text in wish.time_of.values()}
     fitting: dict[str, list[tuple[int, Column]]] = {}
     for column in layout.columns:
         role, strength = _role(column)
-        if role and id(column) not in taken and _wanted(role, said):
+        if role and id(column) not in taken and _wanted(role, wish):
             fitting.setdefault(role, []).append((strength, column))
     best = {role: max(strength for strength, _ in columns) for role, columns in fitting.items()}
     return {
@@ -27,14 +27,14 @@ def searched(layout: Layout, said: Said, picked: Mapping[str, Column]) -> dict[s
     }
 
 
-def _wanted(role: str, said: Said) -> bool:
+def _wanted(role: str, wish: Wish) -> bool:
     """Whether to search for a role: nobody spoke of it, nor of another one that takes its place."""
-    if role == "time" and said.has_rate:
+    if role == "time" and wish.rate_hz is not None:
         return False
     for group in (STRETCH, set(ELECTRICAL)):
-        if role in group and any(said.columns.get(other, NOT_THERE) != NOT_THERE for other in group):
+        if role in group and any(wish.columns.get(other, NOT_THERE) != NOT_THERE for other in group):
             return False
-    return role not in said.columns
+    return role not in wish.columns
 
 
 def _role(column: Column) -> tuple[str, int]:
@@ -56,14 +56,14 @@ def _role(column: Column) -> tuple[str, int]:
     return role, strength if unit or not column.unit_text else strength - MISFIT
 
 
-def prefer(picked: dict[str, Column], choice: Choice, said: Said) -> None:
+def prefer(picked: dict[str, Column], choice: Choice, wish: Wish) -> None:
     """One of displacement and strain, one of resistance, conductance and R/R0: the first that says so plainly."""
     unclear = {trouble.role: trouble.columns[0] for trouble in choice.troubles}
     for group in (("displacement", "strain"), ELECTRICAL):
         there = [role for role in group if role in picked or role in unclear]
-        plain = [role for role in there if role in said.columns or _is_plain(picked.get(role) or unclear[role])]
+        plain = [role for role in there if role in wish.columns or _is_plain(picked.get(role) or unclear[role])]
         for role in there:
-            if role != (plain or there)[0] and role not in said.columns:
+            if role != (plain or there)[0] and role not in wish.columns:
                 picked.pop(role, None)
                 choice.troubles = [trouble for trouble in choice.troubles if trouble.role != role]
 

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from testbench.importing.choice import NAMED, UNIT_FLAGS, Choice, Said, Taken, Trouble
+from testbench.importing.choice import NAMED, UNIT_FLAGS, Choice, Taken, Trouble
 from testbench.importing.layout import Column
+from testbench.importing.vocabulary.headings import unit_behind
 from testbench.importing.vocabulary.laboratory_units import Unit, given_unit, units_spelt
 from testbench.importing.vocabulary.roles import ROLES
+from testbench.importing.wish import Wish
 
 DATE = "date"
 
 
-def take(choice: Choice, role: str, column: Column, clock: Column | None, said: Said, when: set[int]) -> None:
+def take(choice: Choice, role: str, column: Column, clock: Column | None, wish: Wish, when: set[int]) -> None:
     """Settle the unit of a column."""
-    given = said.units.get(role)
+    given = wish.units.get(role)
     if role == "time" and (given == DATE or (given is None and column.number in when)):
         choice.taken[role] = Taken(role, column, None, "its dates")
         return
@@ -34,7 +36,7 @@ def take(choice: Choice, role: str, column: Column, clock: Column | None, said: 
     else:
         where = column.unit_from or NAMED
     choice.taken[role] = Taken(role, column, from_file, where, clock)
-    if role.startswith("relative") and not said.has_r0:
+    if role.startswith("relative") and not wish.r0_ohm is not None:
         choice.troubles.append(Trouble("r0", role, (column,)))
 
 
@@ -43,7 +45,8 @@ def _unit_in_file(role: str, column: Column) -> Unit | None:
     if role.startswith("relative") and not column.unit_text and _is_plainly_one(role, column):
         return next(unit for unit in units_spelt("1") if unit.quantity == "ratio")
     quantities = ("length", "ratio") if role == "displacement" else ROLES[role]
-    fitting = [unit for unit in units_spelt(column.unit_text) if unit.quantity in quantities]
+    text = column.unit_text or unit_behind(column.heading.whole, quantities)
+    fitting = [unit for unit in units_spelt(text) if unit.quantity in quantities]
     return fitting[0] if len(fitting) == 1 else None
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from testbench.importing.layout import Column
@@ -29,11 +28,13 @@ class Taken:
     unit : Unit or None
         None for a time given as dates.
     unit_from : str
-        Where the unit was read: ``header``, ``row 2``, or the option that gave it.
+        Where the unit was read: ``header``, ``row 2``, the column of the units, or the option that gave it.
     clock : Column or None
         The column of its own times, where that is another one than `time`'s.
     days : Column or None
         The column of the days that times of day are of.
+    units : Column or None
+        The column beside it that says the unit of each row, as multimeters write it.
     """
 
     role: str
@@ -42,11 +43,12 @@ class Taken:
     unit_from: str
     clock: Column | None = None
     days: Column | None = None
+    units: Column | None = None
 
     @property
     def columns(self) -> tuple[Column, ...]:
         """All columns that it is read from."""
-        return tuple(column for column in (self.column, self.clock, self.days) if column)
+        return tuple(column for column in (self.column, self.clock, self.days, self.units) if column)
 
 
 @dataclass(frozen=True)
@@ -74,14 +76,3 @@ class Choice:
     troubles: list[Trouble] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     unused: tuple[Column, ...] = ()
-
-
-@dataclass(frozen=True)
-class Said:
-    """What a person said: columns by name or by number from 1 (``none``: not there), units, clocks by role."""
-
-    columns: Mapping[str, str] = field(default_factory=dict)
-    units: Mapping[str, str] = field(default_factory=dict)
-    clocks: Mapping[str, str] = field(default_factory=dict)
-    has_rate: bool = False
-    has_r0: bool = False

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 from gcode.support.errors import UserError
 from testbench.importing.by_name import prefer, searched
 from testbench.importing.by_unit import take
-from testbench.importing.choice import ELECTRICAL, NOT_THERE, Choice, Said, Trouble
+from testbench.importing.choice import ELECTRICAL, NOT_THERE, Choice, Trouble
 from testbench.importing.clocks import own_clocks
-from testbench.importing.layout import Column, Layout
-from testbench.importing.said import column_of
+from testbench.importing.layout import Column, Layout, column_of, count_numbers, width_of, words_in
+from testbench.importing.vocabulary.laboratory_units import unit_of, units_spelt
 from testbench.importing.vocabulary.notation import is_day, is_time_of_day, is_when
 from testbench.importing.vocabulary.roles import ROLES, STRETCH
+from testbench.importing.wish import Wish
 
 
-def choose(layout: Layout, rows: Sequence[Sequence[str]], said: Said) -> Choice:
+def choose(layout: Layout, rows: Sequence[Sequence[str]], wish: Wish) -> Choice:
     """Find the columns.
 
     Parameters
@@ -24,34 +26,66 @@ def choose(layout: Layout, rows: Sequence[Sequence[str]], said: Said) -> Choice:
     layout : Layout
     rows : sequence of rows of cells
         The top of the table.
-    said : Said
+    wish : Wish
 
     Raises
     ------
     UserError
         If a column or unit that a person named is not there.
     """
-    picked = {role: column_of(layout, text) for role, text in said.columns.items() if text != NOT_THERE}
+    layout, units = _with_units_beside(layout, rows)
+    picked = {role: column_of(layout, text) for role, text in wish.columns.items() if text != NOT_THERE}
     choice = Choice()
-    found = searched(layout, said, picked)
+    found = searched(layout, wish, picked)
     times = found.get("time", [])
-    clocks = {role: column_of(layout, text) for role, text in said.clocks.items()}
+    clocks = {role: column_of(layout, text) for role, text in wish.time_of.items()}
     for role, columns in found.items():
         if len(columns) == 1:
             picked[role] = columns[0]
         elif role != "time":
             choice.troubles.append(Trouble("several", role, tuple(columns)))
-    prefer(picked, choice, said)
+    prefer(picked, choice, wish)
     if len(times) > 1:
         clocks = _several_clocks(times, picked, choice, clocks)
     when = _columns_of(layout, rows, is_when)
     for role in ROLES:
         if role in picked:
-            take(choice, role, picked[role], clocks.get(role), said, when)
-    _check_enough(choice, said)
+            take(choice, role, picked[role], clocks.get(role), wish, when)
+    for role, one in choice.taken.items():
+        beside, unit = units.get(one.column.number, (None, ""))
+        if beside and one.unit and unit_of(unit, (one.unit.quantity,)):
+            choice.taken[role] = replace(one, units=beside)
+    _check_enough(choice, wish)
     choice.unused = _unused(choice, layout)
     _join_days(choice, layout, rows)
     return choice
+
+
+def _with_units_beside(layout: Layout, rows: Sequence[Sequence[str]]) -> tuple[Layout, dict[int, tuple[Column, str]]]:
+    """Columns with the unit that stands beside each of their numbers, as multimeters write it (``4.7,kOhm``).
+
+    Returns
+    -------
+    layout : Layout
+        Columns without a unit have that of the first row that says one.
+    units : dict of int to (Column, str)
+        By the number of a column: the one right of it that says its units, and the first of them.
+    """
+    body = [row for row in rows[layout.first_row - 1 :] if width_of(row)]
+    units, columns = {}, list(layout.columns)
+    for place, (column, beside) in enumerate(pairwise(layout.columns)):
+        cells = [row[place + 1] for row in body if len(row) > place + 1 and count_numbers([row[place]])]
+        said = [cell for cell in cells if words_in([cell]) and _may_be_of(cell, column)]
+        if 2 * len(said) > len(body):
+            units[column.number] = beside, said[0]
+            if not column.unit_text:
+                columns[place] = replace(column, unit_text=said[0], unit_from=beside.label)
+    return replace(layout, columns=tuple(columns)), units
+
+
+def _may_be_of(unit_text: str, column: Column) -> bool:
+    """Whether a text is a unit that a column may be in, as far as its name says what it is."""
+    return bool(column.heading.unit(unit_text) if column.heading.quantities else units_spelt(unit_text))
 
 
 def _unused(choice: Choice, layout: Layout) -> tuple[Column, ...]:
@@ -111,10 +145,10 @@ def _columns_of(layout: Layout, rows: Sequence[Sequence[str]], kind: Callable[[s
     return found
 
 
-def _check_enough(choice: Choice, said: Said) -> None:
+def _check_enough(choice: Choice, wish: Wish) -> None:
     """A recording needs a time, and a displacement or force and resistance."""
     have = set(choice.taken) | {trouble.role for trouble in choice.troubles}
-    if "time" not in have and not said.has_rate:
+    if "time" not in have and not wish.rate_hz is not None:
         choice.troubles.append(Trouble("absent", "time"))
     if not have & STRETCH and not ("force" in have and have & set(ELECTRICAL)):
         choice.troubles.append(Trouble("absent", "displacement"))

@@ -1,4 +1,4 @@
-"""Several clocks in one file: each channel has its own times, and all come onto those of one."""
+"""The clocks of a file: those that begin anew, and several, of which each channel has its own."""
 
 from __future__ import annotations
 
@@ -11,6 +11,36 @@ from testbench.importing.layout import Column
 from testbench.importing.vocabulary.roles import words_of
 
 _TIME_WORDS = {"t", "time", "zeit", "timestamp", "s", "时间"}
+FAR = 10  # steps: more than a clock goes on by from one row to the next
+COUNTERS = {2.0**16: "2^16", 2.0**32: "2^32"}  # of ticks, as microcontrollers count ms and µs
+SUMMER_TIME_S = {3600.0: "1 h"}  # by which the time of day falls back in autumn
+
+
+def onward(times: np.ndarray, periods: Mapping[float, str], rows: np.ndarray) -> tuple[np.ndarray, str]:
+    """Times that go on where a counter began anew, or a clock was set back; and what was done, in words.
+
+    It did where the time falls back by a period, but for a step such as the others.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        As the file has them; NaN where a cell is none.
+    periods : mapping of float to str
+        By which it may fall back, and how they are called.
+    rows : ndarray of int, shape (n,)
+        Of the file.
+    """
+    there = np.flatnonzero(np.isfinite(times))
+    steps = np.diff(times[there])
+    far = FAR * float(np.median(steps[steps > 0])) if (steps > 0).any() else np.inf
+    for period, called in periods.items():
+        again = (steps < 0) & (steps + period >= 0) & (steps + period <= far)
+        if period > 2 * far and again.any():
+            later = np.zeros(len(times))
+            later[there[1:]] = period * np.cumsum(again)
+            first = rows[there[1:][again][0]]
+            return times + later, f"falls back by {called} in row {first}, and was taken to go on"
+    return times, ""
 
 
 def own_clocks(times: Sequence[Column], channels: Mapping[str, Column]) -> dict[str, Column] | None:

@@ -10,12 +10,12 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.importing.choice import UNIT_FLAGS, Choice, Taken
-from testbench.importing.clocks import on_one_clock
+from testbench.importing.clocks import COUNTERS, SUMMER_TIME_S, on_one_clock, onward
 from testbench.importing.layout import Column, shortened
 from testbench.importing.sheet import Sheet
 from testbench.importing.trouble_words import unit_unknown
 from testbench.importing.vocabulary.headings import read_heading
-from testbench.importing.vocabulary.laboratory_units import OURS, Unit, conversion
+from testbench.importing.vocabulary.laboratory_units import OURS, Unit, conversion, unit_of
 from testbench.importing.vocabulary.notation import (
     is_number,
     is_when,
@@ -48,6 +48,8 @@ class Read:
         The first cell of each column that is no number, in words, with the remedy.
     words : dict of str to str
         What each role was taken from, with the conversion shown.
+    notes : list of str
+        What else was done.
     """
 
     rows: np.ndarray
@@ -55,6 +57,7 @@ class Read:
     clocks: dict[str, np.ndarray]
     wrong: list[str]
     words: dict[str, str]
+    notes: list[str]
 
 
 def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> Read:
@@ -74,20 +77,41 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
     if not len(rows):
         raise UserError(f"{sheet.path}: there is nothing below the header in row {sheet.layout.first_row - 1}")
     _check_one_table(sheet, [one.column for one in choice.taken.values()], frame, rows)
-    read = Read(rows, {}, {}, [], {})
+    read = Read(rows, {}, {}, [], {}, [])
     for role, one in choice.taken.items():
         cells = frame[one.column.number]
         if one.unit is None:
             found = _moments(one, cells, frame, read)
         else:
             plain, wrong = numbers(cells, sheet.decimal, thousands)
-            found = one.unit.converted(plain)
             read.words[role] = _in_words(one, plain)
+            if role == "time":
+                plain = _onward(plain, COUNTERS, one.column, read)
+            found = _converted(one, plain, frame, read)
             _note(read, one.column, cells, wrong, "a number", sheet.decimal)
         read.values[role] = found
         if one.clock is not None:
             read.clocks[role] = _own_clock(sheet, choice, one, frame[one.clock.number], thousands, read)
     return read
+
+
+def _converted(one: Taken, plain: np.ndarray, frame: pd.DataFrame, read: Read) -> np.ndarray:
+    """Numbers in our unit; each from the unit that stands beside it, where a column says the units."""
+    assert one.unit is not None
+    if one.units is None:
+        return one.unit.converted(plain)
+    texts = frame[one.units.number].astype("string").str.strip()
+    found = np.full(len(plain), np.nan)
+    for text in texts.dropna().unique():
+        unit, here = unit_of(text, (one.unit.quantity,)), (texts == text).fillna(False).to_numpy(dtype=bool)
+        if unit and (unit == one.unit or one.unit_from == one.units.label):
+            found[here] = unit.converted(plain[here])
+    wrong = np.flatnonzero(np.isnan(found) & np.isfinite(plain))
+    want = (
+        f"a unit of {one.role}" if one.unit_from == one.units.label else f"{one.unit.symbol}, as {one.unit_from} says"
+    )
+    _note(read, one.units, texts, int(wrong[0]) if wrong.size else None, want)
+    return found
 
 
 def _moments(one: Taken, cells: pd.Series, frame: pd.DataFrame, read: Read) -> np.ndarray:
@@ -101,7 +125,13 @@ def _moments(one: Taken, cells: pd.Series, frame: pd.DataFrame, read: Read) -> n
         _note(read, one.days, frame[one.days.number], wrong_day, "a date")
     _note(read, one.column, cells, wrong, "a date and time" if one.days is None else "a time of day")
     read.words[one.role] = f"{one.column.label}: dates and times{of_days}, in seconds from the first"
-    return found
+    return _onward(found, SUMMER_TIME_S, one.column, read)
+
+
+def _onward(times: np.ndarray, periods: Mapping[float, str], column: Column, read: Read) -> np.ndarray:
+    times, said = onward(times, periods, read.rows)
+    read.notes.extend([f"{column.label} {said}"] if said else [])
+    return times
 
 
 def _check_one_table(sheet: Sheet, columns: Sequence[Column], frame: pd.DataFrame, rows: np.ndarray) -> None:
@@ -175,6 +205,7 @@ def _own_clock(sheet: Sheet, choice: Choice, one: Taken, cells, thousands: str |
         )
     values, wrong = numbers(cells, sheet.decimal, thousands)
     _note(read, one.clock, cells, wrong, "a number", sheet.decimal)
+    values = _onward(values, COUNTERS, one.clock, read)
     read.words[one.role] += (
         f"; its own times: {one.clock.label} in {unit.symbol}, brought to those of {main.column.label}"
     )
@@ -192,7 +223,7 @@ def _clock_unit(clock: Column, main: Taken) -> Unit | None:
 def _note(read: Read, column: Column, cells, wrong: int | None, kind: str, decimal: str = "") -> None:
     if wrong is None:
         return
-    name, cell = column.heading.text or column.label, str(cells.iloc[wrong])
+    name, cell = shortened(column.heading.text) or column.label, str(cells.iloc[wrong])
     remedy = "--drop-bad leaves such rows out"
     if not decimal:
         remedy = why_unclear(cell) or remedy

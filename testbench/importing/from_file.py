@@ -20,12 +20,19 @@ from testbench.importing.files.opening import open_sheet
 from testbench.importing.gauge import gauge_doubts
 from testbench.importing.imported import Imported
 from testbench.importing.layout import Column, misfit
-from testbench.importing.rows import channels_of, check_change, in_order, mostly_one_gap, repeats_of, usable
-from testbench.importing.said import idle_words
+from testbench.importing.rows import (
+    channels_of,
+    check_change,
+    in_order,
+    mostly_one_gap,
+    repeats_of,
+    usable,
+    zero_set_anew,
+)
 from testbench.importing.sheet import Sheet
 from testbench.importing.signs import doubts, turned, zeroed
 from testbench.importing.tables_above import left_out, passed_over
-from testbench.importing.trouble_words import in_words
+from testbench.importing.trouble_words import idle_words, in_words
 from testbench.importing.vocabulary.laboratory_units import units_spelt
 from testbench.importing.vocabulary.notation import numbers
 from testbench.importing.vocabulary.roles import STRETCH, counts_repeats, speaks_about
@@ -62,7 +69,7 @@ def look(path: Path, wish: Wish) -> tuple[Sheet, Choice]:
     if not wish.hints.header_row and (lost := left_out(sheet.head, sheet.layout)):
         raise UserError(f"{path}: {lost}")
     try:
-        choice = choose(sheet.layout, sheet.head, wish.said())
+        choice = choose(sheet.layout, sheet.head, wish)
     except UserError as error:
         raise UserError(f"{path}: {error}") from None
     choice.notes += passed_over(sheet.head, sheet.layout)
@@ -82,7 +89,7 @@ def import_file(path: Path, wish: Wish) -> list[Imported]:
     if choice.troubles:
         first = sheet.head[sheet.layout.first_row - 1]
         raise UserError(f"{path}: {in_words(choice.troubles, sheet.layout, first)}")
-    if idle := idle_words(choice, wish.said()):
+    if idle := idle_words(choice, wish):
         raise UserError(f"{path}: {idle}")
     if wish.gauge_length_mm is None and STRETCH & set(choice.taken):
         raise UserError(
@@ -174,8 +181,8 @@ def _recorded(
     recording = Recording(when_s - when_s[0], picked, gauge_mm, str(path))
     done = Imported(recording, label, int((~kept).sum()), moved, repeated, float(when_s[0]), dict(read.words))
     done.doubts = [*_doubts(choice, recording, wish), *gauge_doubts(sheet, choice, read, wish.gauge_length_mm)]
-    done.doubts += mostly_one_gap(when_s, numbers_of[index])
-    done.notes = [*choice.notes, *told, *_remarks(choice, recording, wish)]
+    done.doubts += [*mostly_one_gap(when_s, numbers_of[index]), *zero_set_anew(picked, numbers_of[index])]
+    done.notes = [*choice.notes, *read.notes, *told, *_remarks(choice, recording, wish)]
     done.details = _details(sheet, choice, wish, done)
     return done
 
@@ -234,6 +241,7 @@ def _details(sheet: Sheet, choice: Choice, wish: Wish, done: Imported) -> dict[s
         }
         | ({"clock": _named(one.clock)} if one.clock else {})
         | ({"days": _named(one.days)} if one.days else {})
+        | ({"units": _named(one.units)} if one.units else {})
         for role, one in choice.taken.items()
     }
     details: dict[str, Any] = {"file": sheet.path.name, "sha256": sha256_of(sheet.path), "columns": columns}

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import mode
 
+from gcode.support.errors import UserError
 from testbench.importing.vocabulary.headings import Heading, power_of_ten, read_heading
 from testbench.importing.vocabulary.laboratory_units import units_spelt
 from testbench.importing.vocabulary.notation import MISSING, is_number, is_when
@@ -16,9 +17,9 @@ TOP_ROWS = 50  # of numbers that tell how wide a table is
 LOOK_UP = 8  # filled rows above the numbers in which names and units are looked for
 
 
-def shortened(text: str) -> str:
+def shortened(text: str, length: int = SHOWN) -> str:
     """A name as messages show it."""
-    return text if len(text) <= SHOWN else f"{text[: SHOWN - 1]}…"
+    return text if len(text) <= length else f"{text[: length - 1]}…"
 
 
 @dataclass(frozen=True)
@@ -109,9 +110,9 @@ def misfit(rows: Rows, layout: Layout, whole_names: bool = False) -> str:
     body = _numbers_of(rows, layout.first_row - 1)
     most, filled = max(map(len, body)), _usual_width(body)
     for what, row in (("names", layout.header_row), ("units", layout.units_row)):
-        too_many = row is not None and width_of(rows[row - 1]) > most and not whole_names
-        if row is not None and (too_many or filled > len(rows[row - 1])):
-            return f"row {row} has {width_of(rows[row - 1])} {what}, the rows of numbers below it {filled} columns"
+        cells = _of_table(rows[row - 1], filled) if row else []
+        if row and ((width_of(cells) > most and not whole_names) or filled > len(cells)):
+            return f"row {row} has {width_of(cells)} {what}, the rows of numbers below it {filled} columns"
     return ""
 
 
@@ -135,6 +136,11 @@ def is_data(cells: Sequence[str]) -> bool:
 def width_of(cells: Sequence[str]) -> int:
     """Cells up to the last filled one."""
     return max((place for place, cell in enumerate(cells, 1) if cell.strip()), default=0)
+
+
+def _of_table(cells: Sequence[str], width: int) -> Sequence[str]:
+    """A row without what stands beside a table of this width, behind an empty cell."""
+    return cells if cells[width : width + 1] != [""] else cells[:width]
 
 
 def count_numbers(cells: Sequence[str]) -> int:
@@ -221,7 +227,8 @@ def _above(rows: Rows, start: int, width: int) -> list[int]:
     places = [place for place in range(start - 1, -1, -1) if width_of(rows[place])]
     for place in places[:LOOK_UP]:
         filled = sum(bool(cell.strip()) for cell in rows[place])
-        if not (2 * filled > width or width <= 2 or _speaks(rows[place])) or width_of(rows[place]) > width + 1:
+        too_wide = width_of(_of_table(rows[place], width)) > width + 1
+        if not (2 * filled > width or width <= 2 or _speaks(rows[place])) or too_wide:
             break
         found.append(place)
     return found
@@ -259,9 +266,9 @@ def _units_between(rows: Rows, header: int | None, start: int, width: int) -> in
 
 
 def _columns(rows: Rows, header: int | None, units_row: int | None, start: int) -> tuple[Column, ...]:
-    names = list(rows[header - 1]) if header else []
-    units = list(rows[units_row - 1]) if units_row else []
-    width = max(_usual_width(_numbers_of(rows, start)), width_of(names))
+    width = _usual_width(_numbers_of(rows, start))
+    names, units = (_of_table(rows[row - 1], width) if row else [] for row in (header, units_row))
+    width = max(width, width_of(names))
     return tuple(_column(place + 1, _cell(names, place), _cell(units, place), units_row) for place in range(width))
 
 
@@ -282,3 +289,34 @@ def _column(number: int, name: str, below: str, units_row: int | None) -> Column
     if not units_spelt(bare):
         return Column(number, heading, heading.unit_text, "header")
     return Column(number, heading, f"{heading.unit_text} | {bare}", f"header and row {units_row}")
+
+
+def column_of(layout: Layout, text: str) -> Column:
+    """The column that a person named, by its header cell, its name without unit, or its number from 1.
+
+    Raises
+    ------
+    UserError
+        If there is no such column, or the name stands twice.
+    """
+    for same in (
+        [column for column in layout.columns if column.heading.text == text.strip()],
+        [column for column in layout.columns if column.heading.base == text.strip()],
+    ):
+        if len(same) == 1:
+            return same[0]
+        if same:
+            where = " and ".join(str(column.number) for column in same)
+            raise UserError(f"the columns {where} are both called {text!r}; say which by its number")
+    if text.strip().isdigit() and 1 <= int(text) <= len(layout.columns):
+        return layout.columns[int(text) - 1]
+    raise UserError(f"no column {text!r}; {described(layout)}")
+
+
+def described(layout: Layout) -> str:
+    """The columns of a file in words."""
+    names = [shortened(column.heading.text) or f"(column {column.number})" for column in layout.columns]
+    shown = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
+    if layout.header_row is None:
+        return f"no header was found above the {len(names)} columns, which are numbered from 1"
+    return f"row {layout.header_row} has: {shown}"

@@ -9,12 +9,13 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.importing.choice import Choice
+from testbench.importing.clocks import FAR
 from testbench.importing.wish import Wish
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME
 from testbench.recordings.checks import such, within
 
 REVERSIBLE = frozenset(("resistance", "conductance"))  # negative where the sense leads are the other way round
-FAR = 10  # steps that the time falls back where another recording begins, and rows that then follow
+MORE = 10  # rows that follow where another recording begins
 # Where more of the rows than this are negative, the sign is wrong; where their times repeat, the time is rounded.
 MOSTLY = 0.5
 
@@ -117,8 +118,8 @@ def in_order(path: Path, rows: np.ndarray, time_s: np.ndarray, sort: bool) -> tu
         remedy = _for_order(time_s)
         if again:
             remedy = (
-                "the time starts again there, so the file holds several recordings: part it into one file each"
-                + " (--sort would put the rows of one between those of the other)" * sort
+                "the time starts again there, so the file holds several recordings, or its clock was set back: "
+                "part it into one file each" + " (--sort would put the rows of one between those of the other)" * sort
             )
         raise UserError(
             f"{path}: row {rows[at]}: time must increase, got {time_s[at]:g} s after {time_s[at - 1]:g} s; {remedy}"
@@ -154,9 +155,9 @@ def _for_order(time_s: np.ndarray) -> str:
 
 
 def _restart(time_s: np.ndarray) -> int:
-    """Where the time falls far back and rises from there among the times before; 0 where rows are but out of order.
+    """Where the time falls far back and rises from there among the times before, or far from them all; else 0.
 
-    Rows that were written late leave a gap behind them, into which they fit.
+    Rows that are but out of order, as they were written late, leave a gap behind them, into which they fit.
     """
     steps = np.diff(time_s)
     falls = np.flatnonzero(steps < 0) + 1
@@ -164,9 +165,11 @@ def _restart(time_s: np.ndarray) -> int:
     for begin, at, end in zip([0, *falls], falls, [*falls[1:], len(time_s)], strict=False):
         before, behind = time_s[begin:at], time_s[at:end]
         behind = behind[behind <= before[-1]]
-        between = before[(before > behind[0]) & (before < behind[-1])] if len(behind) else behind
-        if before[-1] - time_s[at] > far and len(behind) > FAR and len(between):
-            return int(at)
+        if before[-1] - time_s[at] > far and len(behind) > MORE:
+            between = before[(before > behind[0]) & (before < behind[-1])]
+            away = np.min([np.abs(before - end_s).min() for end_s in (behind[0], behind[-1])])
+            if len(between) or away > far:
+                return int(at)
     return 0
 
 
@@ -186,6 +189,27 @@ def mostly_one_gap(time_s: np.ndarray, rows: np.ndarray) -> list[str]:
         f"between row {rows[at]} and row {rows[at + 1]} there is no sample for {steps[at]:.4g} s of the "
         f"{time_s[-1] - time_s[0]:.4g} s: if a row of results or of another test is among the samples, take it out "
         "of the file"
+    ]
+
+
+def zero_set_anew(channels: Mapping[str, np.ndarray], rows: np.ndarray) -> list[str]:
+    """A sentence where the displacement jumps once, as it never moves else, and the force does not.
+
+    Parameters
+    ----------
+    channels : mapping of str to ndarray, each shape (n,)
+    rows : ndarray of int, shape (n,)
+        Row of the file that each sample is from.
+    """
+    if not {DISPLACEMENT, FORCE} <= set(channels) or len(rows) < 3:
+        return []
+    moved, pulled = np.diff(channels[DISPLACEMENT]), np.abs(np.diff(channels[FORCE]))
+    at = int(np.abs(moved).argmax())
+    if abs(moved[at]) <= FAR * np.abs(np.delete(moved, at)).max() or pulled[at] > 2 * np.delete(pulled, at).max():
+        return []
+    return [
+        f"between row {rows[at]} and row {rows[at + 1]} the displacement jumps by {moved[at]:.4g} mm, and the force "
+        "does not: if its zero was set anew there, part the file into one file each"
     ]
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from testbench.importing.choice import FLAGS, UNIT_FLAGS, Trouble
-from testbench.importing.layout import Column, Layout
-from testbench.importing.said import described
+from testbench.importing.choice import FLAGS, UNIT_FLAGS, Choice, Trouble
+from testbench.importing.layout import Column, Layout, described, shortened
 from testbench.importing.vocabulary.laboratory_units import symbols
 from testbench.importing.vocabulary.roles import ROLES
+from testbench.importing.wish import Wish
 
 WORDS = {
     "relative": "relative resistance R/R0",
@@ -46,7 +46,7 @@ def several(columns: Sequence[Column]) -> str:
 def unit_unknown(column: Column) -> str:
     """Why the unit of a column is not known, in words."""
     return (
-        f"its unit {column.unit_text!r} cannot be read as one"
+        f"its unit {shortened(column.unit_text)!r} cannot be read as one"
         if column.unit_text
         else "the file does not say its unit"
     )
@@ -76,3 +76,21 @@ def _in_words(trouble: Trouble) -> str:
         "no displacement found, nor force and resistance both: say --displacement COL or --strain COL "
         "(a name, or a number from 1)"
     )
+
+
+def idle_words(choice: Choice, wish: Wish) -> str:
+    """What a person said of what no column is taken for, in words, since it would be left out; or nothing."""
+    alike = {role: {one for one in ROLES if UNIT_FLAGS[one] == UNIT_FLAGS[role]} for role in wish.units}
+    idle = [UNIT_FLAGS[role] for role, those in alike.items() if not those & set(choice.taken)]
+    idle += [f"--time-of {role}=" for role in wish.time_of if role not in choice.taken]
+    if idle:
+        taken = "; ".join(f"{role}: {one.column.label}" for role, one in choice.taken.items())
+        return f"{idle[0]} is of what no column is taken for ({taken or 'none is'}); leave it out"
+    if wish.rate_hz is not None and "time" in choice.taken:
+        return (
+            f"--rate-hz is of a file without times, and {choice.taken['time'].column.label} is taken for them; leave "
+            "--rate-hz or --time out"
+        )
+    if wish.r0_ohm is not None and not any(role.startswith("relative") for role in choice.taken):
+        return "--rest-ohm is R0 of a relative resistance, of which no column is taken; leave it out"
+    return ""

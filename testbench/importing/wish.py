@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from gcode.support.errors import UserError
 from gcode.support.kinds import flag, number, whole
 from gcode.support.read_only import Unchanging
-from testbench.importing.choice import NOT_THERE, Said
+from testbench.importing.choice import NOT_THERE
 from testbench.importing.sheet import Hints
 from testbench.importing.vocabulary.roles import ROLES
 
@@ -85,10 +85,6 @@ class Wish(Unchanging):
             object.__setattr__(self, name, flag(name, getattr(self, name)))
         if not isinstance(self.hints, Hints):
             raise UserError(f"hints: must be a testbench.Hints, got {self.hints!r}; tb.Hints(decimal=',')")
-
-    def said(self) -> Said:
-        """What it says about columns."""
-        return Said(self.columns, self.units, self.time_of, self.rate_hz is not None, self.r0_ohm is not None)
 
     def names(self) -> list[str]:
         """Columns that were given by name."""

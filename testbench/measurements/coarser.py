@@ -28,14 +28,7 @@ def coarser(measurement: Measurement, rate_hz: float, most_points: float = np.in
     if every < 2:
         return measurement
     kept = _turns_kept(strain, every, float(np.median(measurement.strain_noise)))
-    return replace(
-        measurement,
-        signals={name: values[kept] for name, values in measurement.signals.items()},
-        dt_s=measurement.dt_s * every,
-        measured={name: values[kept] for name, values in measurement.measured.items()},
-        counts=measurement.counts[kept],
-        strain_noise=measurement.strain_noise[kept],
-    )
+    return replace(measurement.at(kept), dt_s=measurement.dt_s * every)
 
 
 def _turns_kept(strain: FloatArray, every: int, noise: float) -> np.ndarray:

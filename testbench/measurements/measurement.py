@@ -94,6 +94,16 @@ class Measurement:
         """The measured channels, force first."""
         return tuple(self.measured)
 
+    def at(self, points: np.ndarray | slice) -> Measurement:
+        """The same at some of its grid points alone."""
+        return replace(
+            self,
+            signals={name: values[points] for name, values in self.signals.items()},
+            measured={name: values[points] for name, values in self.measured.items()},
+            counts=self.counts[points],
+            strain_noise=self.strain_noise[points],
+        )
+
     def modelled(self, model: KnitModel, cache: SimulationCache | None = None) -> dict[str, FloatArray]:
         """Simulate; force in N and ln G for every measured channel, each shape (n,).
 
@@ -144,15 +154,3 @@ def _counting_s(measurement: Measurement) -> list[FloatArray]:
     counting = measurement.grid_s[measurement.counts]
     begins_s = np.array(measurement.begins_s) + measurement.start_s
     return [part for part in np.split(counting, np.searchsorted(counting, begins_s)) if len(part)]
-
-
-def ended(measurement: Measurement) -> Measurement:
-    """The same up to the last sample that counts: nothing may be started from, or scaled by, what comes after."""
-    last = int(np.flatnonzero(measurement.counts)[-1]) + 1
-    return replace(
-        measurement,
-        signals={name: values[:last] for name, values in measurement.signals.items()},
-        measured={name: values[:last] for name, values in measurement.measured.items()},
-        counts=measurement.counts[:last],
-        strain_noise=measurement.strain_noise[:last],
-    )

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.measurements.measurement import Measurement, ended
+from testbench.measurements.measurement import Measurement
 from testbench.measurements.preparing import MIN_STRAIN_RANGE, prepare
 from testbench.recordings.recording import Recording, recorded_duration_s
 
@@ -44,7 +44,8 @@ def split(
         cut_s = _recorded_until(recording, 1 - held_share)
         parts = prepare(recording, (0.0, cut_s)), prepare(recording, (cut_s, np.inf))
         _check_parts(*parts, cut_s)
-        return ended(parts[0]), parts[1]
+        # Nothing may be started from, or scaled by, what comes after the last sample that counts.
+        return parts[0].at(parts[0].seen), parts[1]
     check_gauge_length(held_out, recording)
     calibration, held = prepare(recording), prepare(held_out)
     if set(calibration.channels) != set(held.channels):

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 MOST_BYTES = 4 << 30  # 24 h at 1 kHz
 MOST_COLUMNS = 1000
 MOST_LINE = 64 << 10
+LONGEST_NAME = 300  # characters
 
 
 def read_columns(path: Path, growing: bool = False) -> dict[str, np.ndarray]:
@@ -107,6 +108,10 @@ def _check_head(path: Path) -> None:
     names = [name.strip() for name in header.split(",")]
     if len(names) > MOST_COLUMNS:
         raise UserError(f"{path}: {len(names)} columns; a recording has at most {MOST_COLUMNS}")
+    if (longest := max(map(len, names))) > LONGEST_NAME:
+        raise UserError(
+            f"{path}: row 1 names a column in {longest} characters; a name has at most {LONGEST_NAME}, shorten it"
+        )
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise UserError(f"{path}: row 1 names the column {twice!r} twice; name each column once")

@@ -57,6 +57,7 @@ class ImportedColumn(StrictModel):
     offset: Finite = 0.0
     clock: Label | None = None
     days: Label | None = None
+    units: Label | None = None
 
 
 class Imported(StrictModel):

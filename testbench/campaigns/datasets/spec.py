@@ -91,13 +91,9 @@ class DatasetSpec(_Seeded):
     vary: dict[str, Range] = Field(default_factory=dict)
 
     @model_validator(mode="after")
-    def _one_kind_of_program(self) -> DatasetSpec:
+    def _agrees(self) -> DatasetSpec:
         if bool(self.programs) == (self.trajectory is not None):
             raise ValueError("give either programs or a table [trajectory]")
-        return self
-
-    @model_validator(mode="after")
-    def _rest_of_one_sensor(self) -> DatasetSpec:
         if "rest_s" in self.model_fields_set and not self.same_sensor:
             raise ValueError("rest_s is between programs on one sensor; it needs same_sensor = true")
         return self

@@ -85,11 +85,18 @@ def tasks_of(spec: DatasetSpec, base: Path, out: Path, effects: Path | None = No
         gauge = spec.gauge_length_mm
         # Where parameters are drawn by the seed, each seed is a specimen of its own.
         specimen = f"{Path(sensor).stem}#{seed}" if spec.vary else Path(sensor).stem
-        tools = spec.instruments
-        made.append(Task(folder, program, sensor, drawn, gauge, seed, tools, past, spec.rest_s, own, specimen))
+        tools, effects_file = spec.instruments, own if _is_of_own(model) else None
+        made.append(
+            Task(folder, program, sensor, drawn, gauge, seed, tools, past, spec.rest_s, effects_file, specimen)
+        )
     if len({task.folder for task in made}) < len(made):
         raise UserError("two campaigns would have the same folder; give sensors and programs different file names")
     return made
+
+
+def _is_of_own(model: KnitModel) -> bool:
+    """Whether a model has an effect of somebody's own, whose file each of its campaigns keeps."""
+    return any(effect.name not in _catalogue(None).effects for effect in model.effects.values())
 
 
 def varied(model: KnitModel, ranges: dict[str, tuple[float, float]], seed: int) -> KnitModel:

@@ -187,7 +187,7 @@ def _shown(cell: Any) -> str:
         return ""
     if isinstance(cell, datetime.datetime):
         return cell.isoformat(sep=" ")
-    return str(cell)
+    return str(cell).replace("\n", " ")
 
 
 def _typed(cells: list[Any]) -> pd.Series:

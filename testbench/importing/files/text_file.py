@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Sequence, Set
+from collections.abc import Mapping, Sequence, Set
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,9 +18,18 @@ import numpy as np
 from gcode.support.errors import UserError
 from gcode.support.strict import blocks_of
 from testbench.importing.files.encodings import encoding_of, is_text, known_encoding
-from testbench.importing.layout import Layout, count_numbers, find_layout, is_data, shortened
+from testbench.importing.layout import (
+    SHOWN,
+    Layout,
+    count_numbers,
+    find_layout,
+    is_data,
+    shortened,
+    width_of,
+    words_in,
+)
 from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
-from testbench.importing.vocabulary.notation import decimal_sign, is_number, is_when, numbers
+from testbench.importing.vocabulary.notation import decimal_sign, is_number, is_when
 from testbench.recordings.csv_columns import MOST_COLUMNS, in_words
 from testbench.recordings.quoted import check_quotes
 
@@ -36,6 +45,10 @@ BETWEEN_NAMES = (re.compile(r"\s*[,;|\t]\s*"), re.compile(r"\t+| {2,}"))
 STAMPED = r"(?m)^(\d{1,2}:\d{2}:\d{2}[.,]\d{3}) -?>[ \t]?"
 END_OF_TEXT = "\x1a"  # of DOS, which some loggers still write below the last row
 AFTER_A_UNIT = re.compile(r"(?<=[)\]])\s+")
+WORDS = re.compile(r'"[^"]*"|\S+')
+QUOTED = re.compile(r'"[^"\n]*"')
+# A spreadsheet leaves out the empty cells at the ends of rows in as many rows at once (Microsoft KB 77295).
+BLOCK_ROWS = 16
 
 
 class _Headed(io.TextIOBase):
@@ -43,22 +56,36 @@ class _Headed(io.TextIOBase):
 
     Attributes
     ----------
-    breaks : int
-        Line feeds that were read below the header.
+    lines : int
+        Lines that were read below the header.
+    odd : dict of int to str
+        Those that have another number of cells than usual, blank ones aside, by place.
     """
 
-    def __init__(self, names: Sequence[int], separator: str, stream: io.TextIOWrapper) -> None:
+    def __init__(self, names: Sequence[int], separator: str, usual: int, stream: io.TextIOWrapper) -> None:
         self._header = separator.join(map(str, names)) + "\n"
-        self._separator, self._stream, self.breaks = separator, stream, 0
+        self._separator, self._usual, self._stream = separator, usual, stream
+        self.lines, self.odd = 0, dict[int, str]()
 
     def read(self, size: int | None = -1) -> str:
         """The header at first, then what is in the stream, in whole lines."""
         if header := self._header:
             self._header = ""
             return header
-        text = self._stream.read(size) + self._stream.readline()
-        self.breaks += text.count("\n")
-        return _stamps_apart(text, self._separator)
+        text = _stamps_apart(self._stream.read(size) + self._stream.readline(), self._separator)
+        lines = text.removesuffix("\n").split("\n") if text else []
+        counts = _counts(lines, self._separator)
+        if counts.count(self._usual) < len(lines):
+            found = enumerate(zip(counts, lines, strict=True), self.lines)
+            self.odd |= {place: line for place, (count, line) in found if count != self._usual and line.strip()}
+        self.lines += len(lines)
+        return text
+
+
+def _counts(lines: Sequence[str], separator: str) -> list[int]:
+    """How many cells each line has."""
+    plain = [QUOTED.sub('"', line) if '"' in line else line for line in lines]
+    return [len(line.split()) if separator == BLANKS else line.count(separator) + 1 for line in plain]
 
 
 @dataclass(frozen=True)
@@ -67,18 +94,6 @@ class TextSheet(Sheet):
 
     separator: str
     encoding: str
-
-    def body(self, numbers: Sequence[int]) -> pd.DataFrame:
-        """The columns with these numbers, from the first row of numbers on."""
-        import pandas as pd
-
-        wanted = sorted(set(numbers))
-        ends = {self._usual} - {0, *wanted}
-        try:
-            return self._marked(self._read(sorted({*wanted, *ends, len(self.layout.columns) + 1}), ends), wanted)
-        except (pd.errors.ParserError, UnicodeError) as error:
-            said = in_words(error, self.layout.first_row - 1)
-            raise UserError(f"{self.path}: {said}; check the export, or name --separator") from None
 
     @property
     def parts_sentences(self) -> bool:
@@ -113,36 +128,78 @@ class TextSheet(Sheet):
         return found if place + 1 == count else []
 
     @cached_property
-    def _usual(self) -> int:
-        """How many cells most rows have where blanks part them; 0 where a cell that is missing leaves a gap."""
-        counts = [len(cells) for cells in self.head[self.layout.first_row - 1 :] if cells]
-        return mode(counts) if self.separator == BLANKS and counts else 0
+    def _typical(self) -> Sequence[str]:
+        """The first row that has as many cells as most."""
+        rows = [cells for cells in self.head[self.layout.first_row - 1 :] if width_of(cells)]
+        usual = mode(map(len, rows))
+        return next(cells for cells in rows if len(cells) == usual)
 
-    def _read(self, numbers: list[int], lengths: set[int]) -> pd.DataFrame:
-        """The columns with these numbers; of the cells of some, no more than how long they are."""
+    def body(self, numbers: Sequence[int]) -> pd.DataFrame:
+        """The columns with these numbers, from the first row of numbers on.
+
+        Of a row whose cells may stand in columns that are not theirs, the first is the row as it came, the rest none.
+        """
         import pandas as pd
 
-        names = list(range(max(numbers)))
-        with self._opened() as stream:
-            headed = _Headed(names, self.separator, stream)
-            frame = pd.read_csv(
-                headed,
-                sep=r"\s+" if self.separator == BLANKS else self.separator,
-                decimal=self.decimal,
-                header=0,
-                names=names,
-                usecols=[number - 1 for number in numbers],
-                converters={number - 1: len for number in lengths},
-                na_values=[END_OF_TEXT],
-                skip_blank_lines=False,
-                skipinitialspace=True,
-                index_col=False,
-                low_memory=False,
-            )
-        if headed.breaks > len(frame):  # some cell goes over several lines
+        numbers = sorted(set(numbers))
+        names = list(range(numbers[-1]))
+        try:
+            with self._opened() as stream:
+                headed = _Headed(names, self.separator, len(self._typical), stream)
+                frame = pd.read_csv(
+                    headed,
+                    sep=r"\s+" if self.separator == BLANKS else self.separator,
+                    decimal=self.decimal,
+                    header=0,
+                    names=names,
+                    usecols=[number - 1 for number in numbers],
+                    na_values=[END_OF_TEXT],
+                    skip_blank_lines=False,
+                    skipinitialspace=True,
+                    index_col=False,
+                    low_memory=False,
+                )
+        except (pd.errors.ParserError, UnicodeError) as error:
+            said = in_words(error, self.layout.first_row - 1)
+            raise UserError(f"{self.path}: {said}; check the export, or name --separator") from None
+        frame = frame.set_axis(numbers, axis=1)
+        odd = {place: _split([line], self.separator)[0] for place, line in headed.odd.items()}
+        if headed.lines > len(frame):  # some cell goes over several lines
             with self._opened() as stream:
                 check_quotes(self.path, stream, self.separator, self.layout.first_row, _has_numbers)
-        return frame.set_axis(numbers, axis=1)
+            with self._opened() as stream:
+                rows = csv.reader(stream, delimiter=self.separator, skipinitialspace=True)
+                odd = {place: cells for place, cells in enumerate(rows) if len(cells) not in (0, len(self._typical))}
+        if odd and (moved := self._moved(odd, frame)):
+            gone = frame.index.isin(moved)
+            frame = frame.apply(lambda column: column.mask(gone)).astype({numbers[0]: object})
+            frame.loc[list(moved), numbers[0]] = list(moved.values())
+        return frame
+
+    def _moved(self, odd: Mapping[int, Sequence[str]], frame: pd.DataFrame) -> dict[int, str]:
+        """Rows, by place, whose cells may stand in columns that are not theirs, as they came and in words.
+
+        Where a row has more cells than there are columns, one was parted in two, as ``1,5`` is by commas, unless what
+        stands beside the table are words. Where it has fewer than usual, it was cut, or two cells ran together: what
+        leaves out empty cells at the end does so in many rows at once, or in all to the last. Where blanks part the
+        cells, any may be the one that is missing.
+        """
+        usual = len(self._typical)
+        most = max(usual, len(self.layout.columns))
+        last = np.flatnonzero(frame.notna().any(axis=1)).max(initial=0)
+        places, counts = np.array(list(odd)), np.array(list(map(len, odd.values())))
+        found = {}
+        for run in np.split(places, np.flatnonzero((np.diff(places) != 1) | (np.diff(counts) != 0)) + 1):
+            ends = len(run) >= (2 if run[-1] == last else BLOCK_ROWS) and self.separator != BLANKS
+            for place in run.tolist():
+                cells, why = odd[place], ""
+                if len(cells) < usual and not ends and count_numbers(cells):
+                    why = f"fewer than {usual}"
+                elif len(cells) > most and not self._goes_beside(cells):
+                    why = f"more than {most}"
+                if why:
+                    found[place] = f"{shortened(self.separator.join(cells), SHOWN // 2)} ({why} cells)"
+        return found
 
     def _opened(self) -> io.TextIOWrapper:
         """The file at its first row of numbers."""
@@ -151,33 +208,11 @@ class TextSheet(Sheet):
             stream.readline()
         return stream
 
-    def _marked(self, frame: pd.DataFrame, wanted: list[int]) -> pd.DataFrame:
-        """The `wanted` columns, in which a row whose cells may stand in columns that are not theirs is no number.
-
-        Where there is a number beyond the last column, one before it was parted in two, as ``1,5`` is by commas.
-        Where blanks part the cells and there are fewer than in other rows, those behind a missing one have moved up.
-        The first cell of such a row becomes the row as it came.
-        """
-        import pandas as pd
-
-        first, beyond = wanted[0], len(self.layout.columns) + 1
-        shifted = pd.Series(~np.isnan(numbers(frame[beyond], self.decimal)[0]), index=frame.index)
-        short = pd.Series(False, index=frame.index)
-        if self._usual in frame and self._usual not in wanted:
-            short = (frame[self._usual] == 0) & frame[wanted].notna().any(axis=1)
-        frame = frame.astype({first: object}) if (shifted | short).any() else frame
-        if shifted.any():
-            too_many = f" (more than {len(self.layout.columns)} cells)"
-            frame.loc[shifted, first] = _joined(frame[shifted].astype(object).fillna(""), self.separator) + too_many
-        if short.any():
-            too_few = f" (fewer than {self._usual} cells)"
-            frame.loc[short, first] = _joined(frame.loc[short, wanted], " ") + too_few
-        return frame[wanted]
-
-
-def _joined(rows: pd.DataFrame, separator: str) -> pd.Series:
-    """The cells of each row as one text, without those that are missing."""
-    return rows.astype(object).apply(lambda row: separator.join(map(str, row.dropna())), axis=1)
+    def _goes_beside(self, cells: Sequence[str]) -> bool:
+        """Whether what a row has beyond the table are words, and before them it is one of the table."""
+        width = width_of(self._typical)
+        beyond = next((cell for cell in cells[width:] if cell.strip()), "")
+        return words_in(cells[:width]) == words_in(self._typical[:width]) and (not beyond or bool(words_in([beyond])))
 
 
 def open_text(path: Path, wanted: Sequence[str], hints: Hints) -> TextSheet:
@@ -249,7 +284,7 @@ def _at_blanks(line: str) -> list[str]:
 
     That is a comma or the like, a wider gap, or the bracket behind the unit of each.
     """
-    cells = line.split()
+    cells = [cell.strip('"') for cell in WORDS.findall(line)]
     if is_data(cells):
         return cells
     for between in BETWEEN_NAMES:

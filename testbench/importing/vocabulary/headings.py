@@ -136,18 +136,27 @@ def _tail(plain: str) -> tuple[str, str]:
 
     Behind another one (``strain_mm_mm``, ``Strain mm/mm``) it is the lower half of a unit.
     """
-    for pattern in (_PER_CENT, _TAIL):
-        found = pattern.match(plain)
-        if found and found[1].strip() and not ratio_by_formula(plain):
-            name = found[1].strip()
-            quantities = read_heading(name).quantities if not is_generic(name) else ()
-            if unit_of(found[2], quantities) is not None:
-                before, above = _tail(name)
-                return (before, f"{above}/{found[2]}") if above and not above.isdigit() else (name, found[2])
+    for name, end in () if ratio_by_formula(plain) else _ends(plain):
+        quantities = read_heading(name).quantities if not is_generic(name) else ()
+        if unit_of(end, quantities) is not None:
+            before, above = _tail(name)
+            return (before, f"{above}/{end}") if above and not above.isdigit() else (name, end)
     stroke = _STROKE.match(plain)
     if stroke and roles_of(stroke[1], stroke[1]) and not ratio_by_formula(plain):
         return stroke[1], stroke[2]  # a unit that we cannot read
     return plain, ""
+
+
+def _ends(plain: str) -> list[tuple[str, str]]:
+    """A name, and what behind it may be its unit; a number behind a blank counts columns (``Strain 1``)."""
+    found = [match for pattern in (_TAIL, _PER_CENT) if (match := pattern.match(plain))]
+    ends = [one for one in found if not one[2].isdigit() or plain[one.end(1) : one.start(2)].strip("_ ")]
+    return [(one[1].strip(), one[2]) for one in ends if one[1].strip()]
+
+
+def unit_behind(name: str, quantities: tuple[str, ...]) -> str:
+    """The unit of one of these quantities at the end of a name that says nothing else to us: ``ext_mm``."""
+    return next((end for _, end in _ends(name) if unit_of(end, quantities)), "")
 
 
 def _without_brackets(name: str) -> str:

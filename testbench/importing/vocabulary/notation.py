@@ -26,12 +26,16 @@ _THOUSANDS = {
 }
 _SEPARATORS = {".": rf"[,{_APART}]", ",": rf"[.{_APART}]"}
 # Dates and times in their plain form, see `_plain_when`.
+_MONTHS = "Jan|Feb|Mar|Apr|May|Jun|Jul|Aug|Sep|Oct|Nov|Dec"
 _DATE = re.compile(
-    r"^\d{1,4}[-./年]\d{1,2}[-./月]\d{1,4}日?([T ,]+\d{1,2}:\d{2}(:\d{2}(\.\d+)?)?)?"
+    rf"^(?:\d{{1,4}}[-./年]\d{{1,2}}[-./月]\d{{1,4}}日?|\d{{1,2}}[- ](?:{_MONTHS})[- ]\d{{2,4}})"
+    r"([T ,]+\d{1,2}:\d{2}(:\d{2}(\.\d+)?)?)?"
     r"( ?[AP]M| ?Z| ?[+-]\d{2}:?\d{2})?$"
 )
-# 10:15:30.5, with AM or PM behind it; or minutes and seconds, 15:30.5
-_CLOCK = re.compile(r"^(?:(\d{1,3}):(\d{2}):(\d{2}(?:\.\d+)?)(?: ?([AaPp])\.?[Mm]\.?)?|(\d{1,3}):(\d{2}\.\d+))$")
+# 10:15:30.5, with AM or PM behind it, or days before it as pandas writes them; or minutes and seconds, 15:30.5
+_CLOCK = re.compile(
+    r"^(?:(?:(\d+) days? )?(\d{1,3}):(\d{2}):(\d{2}(?:\.\d+)?)(?: ?([AaPp])\.?[Mm]\.?)?|(\d{1,3}):(\d{2}\.\d+))$"
+)
 # 01/03/2026, 01-03-26: the day or the month may come first, and of 26-03-01 even the year.
 _UNCLEAR_DAY = re.compile(r"^(\d{1,2}([/-])\d{1,2}\2\d{2}(?:\d{2})?)(?!\d)")
 _MIDNIGHT = re.compile(r"[T ]+0{1,2}:00(:00(\.0+)?)?$")
@@ -39,6 +43,12 @@ _BEFORE_PARTS = re.compile(r"(:\d{2})(?:,(?=\d)|:(?=\d{3}(?!\d)))")  # 30,5 s; a
 _ZONE = re.compile(r"(?<=[\dM.]) ([A-Z]{3,5})$")  # CET, behind digits or AM
 HALF_DAY_S = 43_200.0
 MISSING = {"", "nan", "na", "n/a", "-", "--", "---", "null", "none", "inf", "-inf", "#n/a"}
+MISSING |= {
+    f"{sign}{start}#{what}"
+    for sign in ("", "-")
+    for start in ("", "1.", "1,")
+    for what in ("inf", "ind", "qnan", "snan")
+}
 
 
 def _with_hyphen(cell: str) -> str:
@@ -193,12 +203,13 @@ def seconds(cells: pd.Series) -> tuple[np.ndarray, int | None]:
 
 
 def _times_of_day(text: pd.Series, clock: pd.DataFrame) -> tuple[np.ndarray, int | None]:
-    hours, minutes, rest, few, short = (
-        clock[part].astype("Float64").to_numpy(dtype=np.float64, na_value=np.nan) for part in (0, 1, 2, 4, 5)
+    days, hours, minutes, rest, few, short = (
+        clock[part].astype("Float64").to_numpy(dtype=np.float64, na_value=np.nan) for part in (0, 1, 2, 3, 5, 6)
     )
-    half = clock[3].str.casefold()
+    half = clock[4].str.casefold()
     afternoon = (half == "p").fillna(False).to_numpy(dtype=bool)
     hours = np.where(half.notna(), hours % 12 + 12 * afternoon, hours)
+    hours += 24 * np.nan_to_num(days)
     since = np.where(np.isnan(few), 3600 * hours + 60 * minutes + rest, 60 * few + short)
     wrong = np.flatnonzero(np.isnan(since) & text.notna().to_numpy())
     return since, int(wrong[0]) if wrong.size else None

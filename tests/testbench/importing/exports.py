@@ -99,7 +99,7 @@ def workbook(folder: Path, data: Measured = MINUTE) -> Path:
     book.active.append(["Knit 3, fourth washing"])
     sheet = book.create_sheet("Data")
     sheet.append(["Specimen: knit 3"])
-    sheet.append(["Time [ms]", "Strain [%]", "Force [cN]", "R [MΩ]"])
+    sheet.append(["Time\n[ms]", "Strain [%]", "Force [cN]", "R [MΩ]"])
     rows = zip(data.time_s * 1e3, data.extension_mm / 40, data.force_N * 1e2, data.resistance_ohm / 1e6, strict=True)
     for values in rows:
         sheet.append([float(value) for value in values])

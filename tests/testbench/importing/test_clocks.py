@@ -94,3 +94,31 @@ def test_clocks_that_do_not_overlap_are_told(tmp_path):
         UserError, match=r"the clocks do not overlap: at no time of column 1 't_R .s.' is there a sample"
     ):
         import_csv(tmp_path / "lab.csv", Wish(40.0, drop_bad=True))
+
+
+def counted(folder, times):
+    path = folder / "lab.csv"
+    rows = "".join(f"{time},{0.1 * n:.1f},{n}\n" for n, time in enumerate(times))
+    path.write_text(f"Time [ms],Displacement [mm],Force [N]\n{rows}")
+    return path
+
+
+@pytest.mark.parametrize(("bits", "first"), [(16, 0), (32, 0), (16, -(2**15)), (32, -(2**31))])
+def test_a_counter_that_begins_anew_goes_on(tmp_path, bits, first):
+    """It was advised to sort, which put what came last before the first."""
+    times = [(2**bits - 1005 + 100 * n) % 2**bits + first for n in range(40)]
+    done = import_csv(counted(tmp_path, times), Wish(40.0))
+    assert done.recording.time_s == pytest.approx(0.1 * np.arange(40))
+    assert f"column 1 'Time [ms]' falls back by 2^{bits} in row 13, and was taken to go on" in done.notes
+
+
+@pytest.mark.parametrize("sort", [False, True])
+def test_another_test_is_no_counter_that_begins_anew(tmp_path, sort):
+    times = [60_000 + 100 * n for n in range(40)] + [5000 + 100 * n for n in range(40)]
+    with pytest.raises(UserError, match=r"row 42: .*several recordings, or its clock was set back: part it into one"):
+        import_csv(counted(tmp_path, times), Wish(40.0, sort=sort))
+
+
+def test_halves_of_a_file_that_were_swapped_are_sorted(tmp_path):
+    times = [100 * n for n in (*range(20, 40), *range(20))]
+    assert import_csv(counted(tmp_path, times), Wish(40.0, sort=True)).recording.duration_s == pytest.approx(3.9)

@@ -105,3 +105,14 @@ def test_days_and_times_of_a_workbook(tmp_path):
         book.active.append([datetime.date(2026, 3, day), datetime.time(hour), 0.1 * n, 0.2 * n])
     book.save(tmp_path / "lab.xlsx")
     assert time_of(tmp_path / "lab.xlsx") == [0, 3600, 86_400]
+
+
+def test_the_time_of_day_goes_on_where_it_is_set_back_in_autumn(tmp_path):
+    times = [f"2026-10-25 02:{59 if n < 20 else 0:02d}:{(40 + n) % 60:02d}" for n in range(40)]
+    assert time_of(table(tmp_path, "Time", times)) == list(range(40))
+
+
+@pytest.mark.parametrize("form", ["{:02d}-Mar-2026 {:02d}:59:{:02d}.5", "{} days {:02d}:59:{:02d}.500000"])
+def test_dates_and_durations_as_matlab_and_pandas_write_them(tmp_path, form):
+    times = [form.format(1, 22, 59), form.format(1, 23, 0), form.format(2, 0, 0)]
+    assert time_of(table(tmp_path, "Time", times)) == [0, 3541, 7141]

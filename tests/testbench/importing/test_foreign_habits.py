@@ -61,7 +61,7 @@ def test_lines_that_ran_together_are_no_row_even_at_the_top(tmp_path, hints):
     path = _lines(tmp_path / "serial.csv", HEADER, *lines)
     columns = {"time": "1", "displacement": "2", "force": "3"} if hints.header_row == 0 else {}
     units = {"time": "s", "displacement": "mm", "force": "N"} if columns else {}
-    with pytest.raises(UserError, match=r"row 11: .* must be a number, got '0.9,4.5,1.0,5.0 .more than 3 cells"):
+    with pytest.raises(UserError, match=r"row 11: .* must be a number, got '0.9,4.5,1.0,5.0,5.2 .more than 3 cells"):
         import_csv(path, Wish(40.0, columns, units, hints=hints))
     found = import_csv(path, Wish(40.0, columns, units, drop_bad=True, hints=hints))
     assert (found.dropped, len(found.recording)) == (1, 38)
@@ -152,9 +152,18 @@ def test_a_row_of_results_among_the_samples_is_said(tmp_path):
     assert import_csv(path, Wish(40.0)).doubts == []
 
 
+def test_a_zero_that_was_set_anew_is_said(tmp_path):
+    rows = [f"{n},{0.1 * n - 2.0 * (n >= 20):.1f},{0.1 * n:.1f}" for n in range(40)]
+    (doubt,) = import_csv(_lines(tmp_path / "lab.csv", HEADER, *rows), Wish(40.0)).doubts
+    assert doubt.startswith("between row 21 and row 22 the displacement jumps by -1.9 mm, and the force does not")
+    rows = [f"{n},{0.1 * n + 2.0 * (n >= 20):.1f},{0.1 * n + 2.0 * (n >= 20):.1f}" for n in range(40)]
+    assert import_csv(_lines(tmp_path / "lab.csv", HEADER, *rows), Wish(40.0)).doubts == []
+
+
 def test_what_stands_beside_the_table_in_its_first_rows_is_none_of_it(tmp_path):
-    path = _lines(tmp_path / "lab.csv", HEADER, f"{ROWS[0]},,max,6.8", f"{ROWS[1]},,min,0.2", *ROWS[2:])
-    assert len(import_csv(path, Wish(40.0)).recording) == 40
+    for header in (HEADER, f"{HEADER},,Mean load,3.2"):
+        path = _lines(tmp_path / "lab.csv", header, f"{ROWS[0]},,max,6.8", f"{ROWS[1]},,min,0.2", *ROWS[2:])
+        assert len(import_csv(path, Wish(40.0)).recording) == 40
 
 
 @pytest.mark.parametrize("separator", [",", ";", "\t", " "])

@@ -211,3 +211,38 @@ def test_cells_that_moved_are_seen_beside_a_remark_and_decimal_commas(tmp_path: 
     with pytest.raises(UserError, match=r"row 32: .* must be a number, got '3.*more than 3 cells"):
         import_csv(tmp_path / "lab.csv", Wish(40.0))
     assert import_csv(tmp_path / "lab.csv", Wish(40.0, drop_bad=True)).dropped == 1
+
+
+def autoranged(names: str) -> str:
+    cells = [(R / 1e3, "kOhm") if n < 40 else (R / 1e6, "MOhm") for n in range(COUNT)]
+    values, units = [values[n] for n, (values, _) in enumerate(cells)], [unit for _, unit in cells]
+    return f"{names}\n" + rows(LINE, stamps("%Y-%m-%d %H:%M:%S.%f"), values, units, ["AUTO"] * COUNT, F)
+
+
+@pytest.mark.parametrize("name", ["Resistance", "Value"])
+def test_the_unit_beside_each_number_of_a_multimeter_is_its_own(tmp_path: Path, name: str) -> None:
+    """From where its range changed, megaohms were read as kiloohms."""
+    (tmp_path / "dmm.csv").write_text(autoranged(f"No.,Time,{name},Unit,Range,Force [N]"))
+    done = import_csv(tmp_path / "dmm.csv", Wish())
+    np.testing.assert_allclose(done.recording["resistance_ohm"], R)
+    assert done.taken["resistance"].startswith(f"column 3 '{name}' in kΩ (column 4 'Unit'): 47 kΩ read as 47 000 Ω")
+    assert done.details["columns"]["resistance"]["units"] == "Unit"
+
+
+@pytest.mark.parametrize(
+    ("names", "units", "said"),
+    [
+        ("No.,Time,Value [kOhm],Unit,Range,Force [N]", {}, "kΩ, as header says"),
+        ("No.,Time,R,Unit,Range,Force [N]", {"resistance": "kohm"}, "kΩ, as --resistance-unit says"),
+    ],
+)
+def test_a_unit_beside_a_number_that_is_another_than_the_one_of_all_is_refused(tmp_path: Path, names, units, said):
+    (tmp_path / "dmm.csv").write_text(autoranged(names))
+    with pytest.raises(UserError, match=f"row 42: Unit must be {said}, got 'MOhm'"):
+        import_csv(tmp_path / "dmm.csv", Wish(units=units))
+
+
+def test_a_letter_beside_a_number_that_may_be_no_unit_of_it_is_none(tmp_path: Path) -> None:
+    (tmp_path / "lab.csv").write_text("t [s],x,State,F [N],Flag\n" + rows(T, X, ["N"] * COUNT, F, ["s"] * COUNT))
+    recording = import_csv(tmp_path / "lab.csv", Wish(40.0, units={"displacement": "mm"})).recording
+    np.testing.assert_allclose(recording["displacement_mm"], X)

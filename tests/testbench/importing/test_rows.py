@@ -54,11 +54,90 @@ def test_a_missing_cell_between_blanks_does_not_move_the_others(tmp_path):
     """Force 0.4 was displacement, and the number of the cycle force, as nobody uses the last column."""
     path = written(tmp_path, blanks((2, "  0.2            0.40      0")))
     with pytest.raises(
-        UserError, match=r"row 4: Time\(s\) must be a number, got '0.2 0.4 0.*fewer than 4 cells.*--drop"
+        UserError, match=r"row 4: Time\(s\) must be a number, got '0.2 0.40 0 .fewer than 4 cells.*--drop"
     ):
         import_csv(path, Wish(40.0))
     recording = import_csv(path, Wish(40.0, drop_bad=True)).recording
     assert recording["force_N"].tolist() == pytest.approx([0, 0.2, 0.6, 0.8, 1.0, 1.2, 1.4])
+
+
+COUNTED = ["Time (s),Displacement (mm),Force (N),Cycle", *(f"{n}.0,{5 * n}.0,{n}.5,{n // 5}" for n in range(40))]
+
+
+@pytest.mark.parametrize("last", ["", ",", ",ok"])
+@pytest.mark.parametrize(
+    ("row", "said"),
+    [
+        ("2.0,103.0,0", "fewer"),  # the displacement was 103
+        ("2.010.0,2.5,0", "fewer"),
+        ("2.0,10.0,2", "fewer"),  # the force was 2
+        ("2,0,10.0,2.5,0", "more"),
+        ("2.0,10.0,1,#INF,0", "more"),  # the force was 1
+    ],
+)
+def test_a_row_that_lost_a_separator_or_has_one_too_many_is_no_row(tmp_path, row, said, last):
+    """Its cells stood in columns that are not theirs, without a word where nobody uses the last one."""
+    lines = [line + last for line in COUNTED]
+    lines[3] = row + last
+    path = written(tmp_path, "\n".join(lines) + "\n")
+    with pytest.raises(
+        UserError, match=rf"row 4: .* must be a number, got '{row}.*{said} .*than \d cells\)'; --drop"
+    ):
+        import_csv(path, Wish(40.0))
+    recording = import_csv(path, Wish(40.0, drop_bad=True)).recording
+    assert recording["force_N"].tolist() == [n + 0.5 for n in range(40) if n != 2]
+
+
+def test_a_file_that_was_cut_in_its_last_row(tmp_path):
+    path = written(tmp_path, "\n".join(COUNTED)[:-3])
+    with pytest.raises(UserError, match=r"row 41: .*got '39.0,195.0,39. .fewer than 4 cells"):
+        import_csv(path, Wish(40.0))
+
+
+def test_what_was_not_finite_is_seen_behind_the_last_column(tmp_path):
+    path = written(tmp_path, "\n".join([*COUNTED[:9], "9.0,4.0,3.0,1,#INF", *COUNTED[10:]]))
+    with pytest.raises(UserError, match=r"row 10: .*got '9.0,4.0,3.0,1,#INF .more than 4 cells"):
+        import_csv(path, Wish(40.0, {"force": "4"}, {"force": "N"}))
+
+
+@pytest.mark.parametrize("block", [lambda line: line.rpartition(",")[0], lambda line: f"{line},,,"])
+def test_empty_cells_that_a_spreadsheet_leaves_out_or_adds_at_the_end_of_rows_shift_nothing(tmp_path, block):
+    lines = [*COUNTED[:9], *map(block, COUNTED[9:25]), *COUNTED[25:]]
+    lines[5] += ",,washed twice"
+    recording = import_csv(written(tmp_path, "\n".join(lines)), Wish(40.0)).recording
+    assert recording["force_N"].tolist() == [n + 0.5 for n in range(40)]
+
+
+def test_a_column_that_ends_before_the_others_shifts_nothing(tmp_path):
+    """As that of a slower clock does, or the last rows of a spreadsheet that have no remark."""
+    lines = [*COUNTED[:-3], *(line.rpartition(",")[0] for line in COUNTED[-3:]), ""]
+    assert len(import_csv(written(tmp_path, "\n".join(lines)), Wish(40.0)).recording) == 40
+
+
+@pytest.mark.parametrize("remark", ['"one, two"', '2" wide, 3" long', '"so ""called"", it is"', "strip, cut"])
+def test_a_remark_with_separators_and_quotation_marks_is_no_lost_cell(tmp_path, remark):
+    lines = [*COUNTED[:5], f"{COUNTED[5]},{remark}", *COUNTED[6:]]
+    assert len(import_csv(written(tmp_path, "\n".join(lines)), Wish(40.0)).recording) == 40
+
+
+def test_cells_that_moved_are_seen_below_a_remark_of_two_lines(tmp_path):
+    lines = [*COUNTED[:5], f'{COUNTED[5]},"washed\ntwice"', *COUNTED[6:20], "19,5,95.0,19.5,3", *COUNTED[21:]]
+    with pytest.raises(UserError, match=r"row \d+: .*got '19,5,95.0,19.5,3 .more than 4 cells"):
+        import_csv(written(tmp_path, "\n".join(lines)), Wish(40.0))
+    lines[20] = COUNTED[20]
+    assert len(import_csv(written(tmp_path, "\n".join(lines)), Wish(40.0)).recording) == 40
+
+
+def test_words_in_quotation_marks_between_blanks_are_one_cell(tmp_path):
+    lines = [f'{line.replace(",", " ")} "knit 1"' for line in COUNTED[1:]]
+    path = written(tmp_path, "\n".join(["t_s x_mm F_N Cycle Specimen", *lines]))
+    assert import_csv(path, Wish(40.0)).recording["force_N"].tolist() == [n + 0.5 for n in range(40)]
+
+
+def test_the_unit_behind_a_name_that_says_nothing_is_read_where_a_person_says_what_it_is(tmp_path):
+    path = written(tmp_path, "\n".join(["t_s,ext_cm,dms_mN", *(f"{n},{n},{n}" for n in range(9))]))
+    recording = import_csv(path, Wish(40.0, {"displacement": "ext_cm", "force": "3"})).recording
+    assert (recording["displacement_mm"][1], recording["force_N"][1]) == (10, 0.001)
 
 
 def test_a_remark_between_blanks_is_no_other_table(tmp_path):
@@ -202,3 +281,13 @@ def test_whole_seconds_at_a_higher_rate_are_not_advised_to_be_sorted(tmp_path):
     seldom = timed(*FIRST, FIRST[-1])
     with pytest.raises(UserError, match="; --sort puts rows in order and drops repeated times"):
         import_csv(written(tmp_path, seldom), Wish(40.0))
+
+
+@pytest.mark.parametrize(
+    ("names", "units", "cell"), [(f"Force {'x' * 200} [N]", "", "OL"), ("Force", f"s,mm,{'x' * 5000}\n", "1")]
+)
+def test_names_and_units_are_shown_short(tmp_path, names, units, cell):
+    path = written(tmp_path, f"Time [s],Displacement [mm],{names}\n{units}0,0,1\n1,1,{cell}\n2,2,2\n3,3,3\n")
+    with pytest.raises(UserError, match="x…") as caught:
+        import_csv(path, Wish(40.0))
+    assert len(str(caught.value)) < 300 + len(str(path))

@@ -14,7 +14,9 @@ from tests.testbench.importing import exports
 
 
 def test_excel_is_read_as_it_is_shown(tmp_path):
-    exports.check_same(import_csv(exports.workbook(tmp_path), Wish(40.0)).recording)
+    done = import_csv(exports.workbook(tmp_path), Wish(40.0))
+    exports.check_same(done.recording)
+    assert done.taken["time"].startswith("column 1 'Time [ms]' in ms")  # in one line
 
 
 def written_workbook(

@@ -21,3 +21,10 @@ def test_a_long_cell_is_shown_short(tmp_path):
     with pytest.raises(UserError, match=r"row 3: force_N must be a number, got '1+; ") as caught:
         read_columns(path)
     assert len(str(caught.value)) < 300 + len(str(path))
+
+
+def test_a_name_that_would_fill_every_message_is_refused(tmp_path):
+    path = tmp_path / "r.csv"
+    path.write_text(f"time_s,displacement_mm,{'x' * 5000}\n0,0.1,1\n1,0.2,2\n")
+    with pytest.raises(UserError, match="row 1 names a column in 5000 characters; a name has at most 300"):
+        read_columns(path)

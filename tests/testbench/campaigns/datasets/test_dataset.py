@@ -145,9 +145,11 @@ def test_a_data_set_may_use_effects_of_ones_own(tmp_path):
     path = written(tmp_path, last=1, more='effects = "mine.py"\n')
     model = baseline() + load_catalogue(tmp_path / "mine.py")["mine"]()
     (tmp_path / "knit.json").write_text(json.dumps(model.to_dict()))
+    path.write_text(path.read_text().replace('["knit.json"]', '["knit.json", "pes"]'))
     with pytest.raises(UserError, match="needs effects of somebody's own"):
         tasks_of(read_spec(path), tmp_path, tmp_path / "out")
-    (task,) = tasks_of(read_spec(path), tmp_path, tmp_path / "out", tmp_path / "mine.py")
+    task, without = tasks_of(read_spec(path), tmp_path, tmp_path / "out", tmp_path / "mine.py")
+    assert without.effects is None  # a campaign of a sensor that uses none of them had a copy all the same
     (tmp_path / "out").mkdir()
     assert make(task)
     assert not make(task)
