@@ -36,7 +36,7 @@ def take(choice: Choice, role: str, column: Column, clock: Column | None, wish: 
     else:
         where = column.unit_from or NAMED
     choice.taken[role] = Taken(role, column, from_file, where, clock)
-    if role.startswith("relative") and not wish.r0_ohm is not None:
+    if role.startswith("relative") and wish.r0_ohm is None:
         choice.troubles.append(Trouble("r0", role, (column,)))
 
 

@@ -148,7 +148,7 @@ def _columns_of(layout: Layout, rows: Sequence[Sequence[str]], kind: Callable[[s
 def _check_enough(choice: Choice, wish: Wish) -> None:
     """A recording needs a time, and a displacement or force and resistance."""
     have = set(choice.taken) | {trouble.role for trouble in choice.troubles}
-    if "time" not in have and not wish.rate_hz is not None:
+    if "time" not in have and wish.rate_hz is None:
         choice.troubles.append(Trouble("absent", "time"))
     if not have & STRETCH and not ("force" in have and have & set(ELECTRICAL)):
         choice.troubles.append(Trouble("absent", "displacement"))
