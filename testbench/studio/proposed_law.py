@@ -18,7 +18,6 @@ from testbench.recordings.stored import Finite, Label, Remark
 from testbench.results.model_file import Step, about_model
 from testbench.results.result_files import read_diagnosis
 from testbench.studio import models
-from testbench.studio.freshness import made_of
 from testbench.studio.studio import Studio
 
 FOLDER = "proposal"  # below the results of a campaign
@@ -123,7 +122,7 @@ def _is_fresh(studio: Studio, c: str, found: Proposal) -> bool:
         return False
     begun = found.history[len(steps) - 1].model_dump(mode="json", exclude_unset=True)
     taken = {one["effect"] for one in steps[-1]["model"]["effects"]} & {law.effect for law in found.laws}
-    return not taken and made_of(begun, steps[-1], undone=not mine.get("fit"))
+    return not taken and models.made_of(begun, steps[-1], undone=not mine.get("fit"))
 
 
 def free_law_name(studio: Studio, c: str) -> str:

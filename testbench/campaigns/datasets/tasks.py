@@ -69,6 +69,7 @@ def tasks_of(spec: DatasetSpec, base: Path, out: Path, effects: Path | None = No
         If a sensor, a program or a varied parameter is not there: before anything runs, not after an hour.
     """
     own = named_effects(out, base / spec.effects, effects).absolute() if spec.effects else None
+    _catalogue(own)  # a file without effects is refused, whether or not a sensor asks for them
     models = {sensor: _model(sensor, base, own) for sensor in spec.sensors}
     programs = _planned(spec, base, out) if spec.trajectory else _found(spec.programs, base)
     for program in programs:

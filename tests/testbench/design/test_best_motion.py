@@ -20,7 +20,6 @@ from testbench.design.information import information
 from testbench.design.protocols import NOISE, Bounds, menu
 from testbench.fitting.constants import ALIKE_S
 from testbench.fitting.fit import fit
-from testbench.measurements.measurement import ended
 from tests.testbench.builders import CATALOGUE, NOISE_LN, NOISE_N, truth
 from tests.testbench.design.monte_carlo import sampled_information
 from tests.testbench.design.readings import read
@@ -169,7 +168,8 @@ def test_the_force_of_a_motion_is_not_that_of_what_came_before(designed):
 def test_in_a_rest_the_strain_goes_to_where_the_motion_begins(designed):
     """As in recordings that are joined."""
     measured, _, found = designed
-    pulled = ended(replace(measured, counts=measured.counts & (measured.signals["strain"] > 0.1)))
+    pulled = replace(measured, counts=measured.counts & (measured.signals["strain"] > 0.1))
+    pulled = pulled.at(pulled.seen)
     ahead = following(pulled, found.made.trajectory, BOUNDS.gauge_length_mm, 10.0)
     rest = (ahead.signals["time_s"] > pulled.signals["time_s"][-1]) & (ahead.signals["time_s"] < ahead.begins_s[-1])
     assert np.abs(np.diff(ahead.signals["strain"][rest])).max() < 0.3 * ahead.dt_s / 10.0
