@@ -99,7 +99,8 @@ def in_a_process(key: str, data: Path, results: Path, picture: Path, limit_s: fl
     out = results / f"{key}.json"
     argv = [sys.executable, str(Path(__file__).resolve()), "--data", str(data), "--one", key]
     argv += ["--row", str(out), "--picture", str(picture)]
-    environment = {**os.environ, "OMP_NUM_THREADS": os.environ.get("OMP_NUM_THREADS", "1")}
+    environment = {"OMP_NUM_THREADS": "1", **os.environ}
+    environment.pop("PYTHONSAFEPATH", None)  # commands set it; this script imports what lies beside it
     try:
         ended = subprocess.run(argv, capture_output=True, text=True, timeout=limit_s, env=environment, check=False)
     except subprocess.TimeoutExpired:
