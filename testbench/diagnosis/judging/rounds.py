@@ -10,6 +10,7 @@ from testbench.diagnosis.judging.entries import Entry, Whole
 from testbench.diagnosis.judging.order import best_first, first_of_each
 from testbench.diagnosis.judging.probabilities import NOTHING, UNKNOWN
 from testbench.diagnosis.judging.weighing import EITHER, Weighing
+from testbench.fitting import constants
 
 Verdict = Literal["missing", "nothing_missing", "unknown"]
 
@@ -48,6 +49,13 @@ class Round(Weighing):
         if best is None or not self.is_bend(best):
             return None
         return best if self._log_prior_bend(best) + best.log_z > self.before.log_z else None
+
+    @property
+    def lean(self) -> Round:
+        """The same, where only the models that the search may go on from keep their sensitivities."""
+        ahead = [self.candidate, self.goes_in, self.bend, *self.begins[: constants.BEAM]]
+        entries = (e if e in ahead else replace(e, hypothesis=e.hypothesis.lean) for e in self.entries)
+        return replace(self, entries=tuple(entries))
 
     def is_bend(self, e: Entry) -> bool:
         """Whether an entry rather says that a law of the base is bent than that an effect is missing."""

@@ -167,7 +167,7 @@ class Search(Fits):
             likelihood = replace(likelihood, explained=explained(current, entries[0].hypothesis))
         bare = max((self.judged(Entry.bare(h), likelihood) for h in before), key=lambda e: e.log_z)
         entries = self.all_judged(entries, likelihood)
-        return Round(bare, likelihood, tuple(entries), tuple(proposals), counted, so_far)
+        return Round(bare, likelihood, tuple(entries), tuple(proposals), counted, so_far).lean
 
     def null_models(self, bent: Sequence[Hypothesis], stiff: Sequence[Hypothesis]) -> list[NullModel]:
         """Models beside which laws are proposed: those that bend, those that are about to, and the stiff ones."""

@@ -99,6 +99,11 @@ class Hypothesis:
         """The same with every scale as it is without data."""
         return replace(self, evidence=replace(self.evidence, scale=np.ones_like(self.evidence.scale)))
 
+    @property
+    def lean(self) -> Hypothesis:
+        """The same without its sensitivities, most of its memory: it is told of, and no fit begins there."""
+        return replace(self, columns={}, robust={}, weight={})
+
     def counts_as(self, likelihood: Likelihood) -> bool:
         """Whether its samples count as in a likelihood."""
         same = self.normal.count == likelihood.count and self.normal.share == likelihood.share

@@ -376,3 +376,19 @@ def test_what_went_in_is_told_as_the_next_step_left_it():
     )
     assert found[0].hypothesis is fine.hypothesis
     assert rounds[0].verdict() == "missing"
+
+
+def test_only_what_the_search_may_go_on_from_keeps_its_sensitivities():
+    """They are most of the memory of a round; what is said of it needs none."""
+
+    def own(e: Entry) -> Entry:
+        h = e.hypothesis
+        return replace(e, hypothesis=SimpleNamespace(**vars(h), lean=SimpleNamespace(**vars(h), columns={})))
+
+    best, *others = (own(entry(m, BARE - 2 * k, 100.0 + k)) for k, m in zip((3, 2, 1), LAWS, strict=True))
+    whole = a_round(entry("", BARE, 50.0), best, *others)
+    kept = whole.lean.entries
+    assert kept[0] is whole.candidate is best
+    assert [e.hypothesis for e in kept[1:]] == [e.hypothesis.lean for e in others]
+    assert whole.lean.probabilities() == whole.probabilities()
+    assert whole.lean.verdict() == whole.verdict() == "missing"
