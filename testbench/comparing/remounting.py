@@ -88,7 +88,7 @@ def _placed(model: KnitModel, name: str, keys: Sequence[str], measurement: Measu
     base = model.without(name)
     state = base.simulate(measurement.signals, measurement.dt_s)
     effect = model[name]
-    there = next(iter(effect.starts(state, measurement.residual(base))), {})
+    there = next(iter(effect.starting_points(state, measurement.residual(base))), {})
     return model.replacing(name, effect.near(**{key: there[key] for key in keys if key in there}))
 
 

@@ -96,7 +96,7 @@ def laws_that_may_act(model: KnitModel, measurement: Measurement, catalogue: Cat
     stages = {effect.stage for effect in model.effects.values()}
     laws = (law for law in catalogue.effects.values() if law.in_base)
     missing = [law() for law in laws if law.stage not in stages and set(law.writes) <= signals.keys()]
-    return [law.near(**start) for law in missing for start in law.starts(signals, {})]
+    return [law.near(**start) for law in missing for start in law.starting_points(signals, {})]
 
 
 def _slope(x: FloatArray, y: FloatArray) -> float:

@@ -266,8 +266,20 @@ class Effect(BaseModel):
 
     def started(self, signals: Signals, residual: Signals) -> Effect:
         """The effect at the first of its `starts`, or as it is where it has none; arguments as there."""
-        points = self.starts(signals, residual)
+        points = self.starting_points(signals, residual)
         return self.near(**points[0]) if points else self
+
+    def starting_points(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+        """The `starts` on these data; a mistake in those of a user's own effect is told in a sentence."""
+        try:
+            return self.starts(signals, residual)
+        except Exception as error:
+            if type(self).__module__.startswith("testbench.knit."):
+                raise
+            raise UserError(
+                f"effect {self.name}: starts raised {type(error).__name__}: {error}; mend it and try "
+                f"`testbench effects {self.name} --effects FILE.py --check`"
+            ) from error
 
     def replaced(self, **changes: Any) -> Effect:
         """A copy with some parameters changed, validated."""

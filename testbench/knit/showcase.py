@@ -103,7 +103,7 @@ def visible(model: KnitModel, effect: Effect, time_s: FloatArray, strain: FloatA
 
 def _midway(effect: Effect, signals: Signals) -> Effect:
     """The effect in the middle of its starts on these signals: a level, a limit that they reach."""
-    points = effect.starts(signals, {})
+    points = effect.starting_points(signals, {})
     return effect.near(**points[len(points) // 2]) if points else effect
 
 

@@ -65,6 +65,16 @@ def test_a_users_effect_that_misbehaves_ends_a_diagnosis(tmp_path, csv, capsys, 
     assert re.search(f"effect mine {match}.* --check", error)
 
 
+def test_starts_of_a_users_effect_that_misbehave_are_named(tmp_path):
+    path = misbehaving(tmp_path, "return {'force_N': force}")
+    path.write_text(
+        path.read_text() + "\n    def starts(self, signals, residual):\n        return [residual['nothing'][0]]\n"
+    )
+    mine, signals = load_catalogue(path)["mine"](), inputs(*motion(5.0, 20.0))
+    with pytest.raises(UserError, match=r"effect mine: starts raised KeyError: 'nothing'; .* --check"):
+        mine.started(signals, {})
+
+
 CASES = {
     "too short to identify": record(truth(), 15),
     "too short to fit on one part": record(truth(), 25, 10),

@@ -86,7 +86,7 @@ def expand(
     if is_vector(law, law.strength):
         yield from _unit_vectors(base.started(state, residual))
         return
-    for values in base.starts(state, residual) or _shape_grid(law, measurement):
+    for values in base.starting_points(state, residual) or _shape_grid(law, measurement):
         from_data = law.strength in values
         for strength in [values[law.strength]] if from_data else _strengths(law):
             yield Candidate(base.near(**values | {law.strength: strength}), strength, from_data)
