@@ -181,26 +181,23 @@ def is_fresh(studio: Studio, c: str, diagnosis: Mapping[str, Any] | None = None)
             return False
         diagnosis = read_diagnosis(diagnosis_path(studio, c))
     begun = list(diagnosis.get("history") or ())
-    return bool(begun) and is_last(studio, c, begun[0])
+    return bool(begun) and is_last(about_model(model_path(studio, c)), begun[0])
 
 
-def is_last(studio: Studio, c: str, begun: Mapping[str, Any]) -> bool:
-    """Whether the step that a question began with is the last one of the ladder of a campaign."""
-    mine = about_model(model_path(studio, c))
-    steps = mine.get("history", [])
-    return bool(steps) and made_of(begun, steps[-1], undone=not mine.get("fit"))
-
-
-def made_of(begun: Mapping[str, Any], last: Mapping[str, Any], undone: bool = False) -> bool:
-    """Whether the step that a diagnosis or a proposal began with is the `last` one of a model's ladder.
+def is_last(model: Mapping[str, Any], begun: Mapping[str, Any]) -> bool:
+    """Whether the step that a diagnosis or a proposal began with is the last one of the ladder in a model's file.
 
     It is told by content: a job that began before the model was changed, and ended after, leaves a newer file. Noise
-    floors tell the samples that it was judged on. With `undone`, the last step is what is left after one was taken
-    back: it has no fit, so whoever asks fits it once more, and only its effects stay the same.
+    floors tell the samples that it was judged on. A last step without a fit is what is left after one was taken back:
+    whoever asks fits it once more, and only its effects stay the same.
     """
+    steps = model.get("history") or ()
+    if not steps:
+        return False
+    last = steps[-1]
     if not _close(begun["noise_floor"], last["noise_floor"]):
         return False
-    if undone:
+    if not model.get("fit"):
         return _effects(begun) == _effects(last)
     return begun["model"] == last["model"] and _close(begun["errors"]["held_out"], last["errors"]["held_out"])
 

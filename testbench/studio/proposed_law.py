@@ -122,7 +122,7 @@ def _is_fresh(studio: Studio, c: str, found: Proposal) -> bool:
         return False
     begun = found.history[len(steps) - 1].model_dump(mode="json", exclude_unset=True)
     taken = {one["effect"] for one in steps[-1]["model"]["effects"]} & {law.effect for law in found.laws}
-    return not taken and models.made_of(begun, steps[-1], undone=not mine.get("fit"))
+    return not taken and models.is_last(mine, begun)
 
 
 def free_law_name(studio: Studio, c: str) -> str:
