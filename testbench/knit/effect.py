@@ -26,7 +26,8 @@ only where it was measured, ``clamping`` (how often the knit was clamped anew) o
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, nullcontext
 from enum import IntEnum
 from typing import Any, ClassVar, NoReturn
 
@@ -39,6 +40,7 @@ from gcode.support.errors import UserError
 from gcode.support.kinds import is_number, only_by_name
 
 Signals = Mapping[str, FloatArray]
+OURS = "testbench.knit."  # effects from elsewhere are watched, for their mistakes would look like findings
 
 
 class Stage(IntEnum):
@@ -271,15 +273,8 @@ class Effect(BaseModel):
 
     def starting_points(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         """The `starts` on these data; a mistake in those of a user's own effect is told in a sentence."""
-        try:
+        with nullcontext() if is_ours(self) else watched(self, f"effect {self.name}: starts"):
             return self.starts(signals, residual)
-        except Exception as error:
-            if type(self).__module__.startswith("testbench.knit."):
-                raise
-            raise UserError(
-                f"effect {self.name}: starts raised {type(error).__name__}: {error}; mend it and try "
-                f"`testbench effects {self.name} --effects FILE.py --check`"
-            ) from error
 
     def replaced(self, **changes: Any) -> Effect:
         """A copy with some parameters changed, validated."""
@@ -320,6 +315,27 @@ def bounds_of(field: FieldInfo) -> dict[str, Any]:
     extra = field.json_schema_extra
     assert isinstance(extra, dict), "declare effect parameters with parameter(...)"
     return extra
+
+
+def is_ours(effect: Effect) -> bool:
+    """Whether it is a built-in one; others are watched."""
+    return type(effect).__module__.startswith(OURS)
+
+
+@contextmanager
+def watched(effect: Effect, what: str) -> Iterator[None]:
+    """Tell in a sentence, which begins with `what`, whatever somebody's effect raises."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # sys.exit would end the command as if all were well
+        raise UserError(f"{what} raised {type(error).__name__}: {error}{remedy(effect)}") from error
+
+
+def remedy(effect: Effect) -> str:
+    """What to do about a mistake of somebody's effect."""
+    return f"; mend it and try `testbench effects {effect.name} --effects FILE.py --check`"
 
 
 def step_s(signals: Signals) -> float:

@@ -14,12 +14,11 @@ from gcode.support.html import table
 from gcode.support.read_only import ReadOnly, Unchanging
 from testbench.knit.additive import AdditiveLaw
 from testbench.knit.cache import SimulationCache
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of, is_ours, remedy, watched
 
 if TYPE_CHECKING:
     import pandas as pd
 
-OURS = "testbench.knit."  # effects from elsewhere are checked at every run
 FORMAT = "knitbench-model"
 FORMAT_VERSION = 1
 ADDRESS = re.compile(r"([^.]+)\.(\w+)(?:\[(\d{1,9})\])?")
@@ -212,7 +211,7 @@ class KnitModel(Unchanging):
         for name, effect in todo.items():
             state = signals_for(effect, state)
             check_wiring(name, effect, state)
-            if cache and isinstance(effect, AdditiveLaw) and _ours(effect):
+            if cache and isinstance(effect, AdditiveLaw) and is_ours(effect):
                 state.update(cache.applied(name, effect, state, dt_s))
             else:
                 state.update(apply_checked(name, effect, state, dt_s))
@@ -286,21 +285,16 @@ def apply_checked(name: str, effect: Effect, state: Mapping[str, FloatArray], dt
     UserError
         If a user's effect raises, or returns other signals, lengths or values than it should.
     """
-    if _ours(effect):
+    if is_ours(effect):
         return effect.apply(state, dt_s)
-    remedy = f"; mend it and try `testbench effects {effect.name} --effects FILE.py --check`"
-    try:
+    with watched(effect, f"effect {name}"):
         written = effect.apply(state, dt_s)
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:  # sys.exit would end the command as if all were well
-        raise UserError(f"effect {name} raised {type(error).__name__}: {error}{remedy}") from error
     if came := strangely_written(effect, written):
-        raise UserError(f"effect {name} must return {', '.join(effect.writes)}, got {came}{remedy}")
+        raise UserError(f"effect {name} must return {', '.join(effect.writes)}, got {came}{remedy(effect)}")
     for signal, values in written.items():
         problem = _unusable(values, len(state["time_s"]))
         if problem:
-            raise UserError(f"effect {name} returned {signal} {problem} (its parameters: {effect}){remedy}")
+            raise UserError(f"effect {name} returned {signal} {problem} (its parameters: {effect}){remedy(effect)}")
     return written
 
 
@@ -309,10 +303,6 @@ def strangely_written(effect: Effect, written: object) -> str:
     if not isinstance(written, Mapping):
         return type(written).__name__
     return "" if set(written) == set(effect.writes) else ", ".join(map(str, written)) or "nothing"
-
-
-def _ours(effect: Effect) -> bool:
-    return type(effect).__module__.startswith(OURS)
 
 
 def _unusable(values: object, count: int) -> str:
