@@ -71,6 +71,7 @@ def tasks_of(spec: DatasetSpec, base: Path, out: Path, effects: Path | None = No
     own = named_effects(out, base / spec.effects, effects).absolute() if spec.effects else None
     _catalogue(own)  # a file without effects is refused, whether or not a sensor asks for them
     models = {sensor: _model(sensor, base, own) for sensor in spec.sensors}
+    kept = {sensor: own if _is_of_own(model) else None for sensor, model in models.items()}
     programs = _planned(spec, base, out) if spec.trajectory else _found(spec.programs, base)
     for program in programs:
         motion_of(program, spec.gauge_length_mm)
@@ -86,10 +87,8 @@ def tasks_of(spec: DatasetSpec, base: Path, out: Path, effects: Path | None = No
         gauge = spec.gauge_length_mm
         # Where parameters are drawn by the seed, each seed is a specimen of its own.
         specimen = f"{Path(sensor).stem}#{seed}" if spec.vary else Path(sensor).stem
-        tools, effects_file = spec.instruments, own if _is_of_own(model) else None
-        made.append(
-            Task(folder, program, sensor, drawn, gauge, seed, tools, past, spec.rest_s, effects_file, specimen)
-        )
+        tools, mine = spec.instruments, kept[sensor]
+        made.append(Task(folder, program, sensor, drawn, gauge, seed, tools, past, spec.rest_s, mine, specimen))
     if len({task.folder for task in made}) < len(made):
         raise UserError("two campaigns would have the same folder; give sensors and programs different file names")
     return made
