@@ -193,7 +193,7 @@ def mostly_one_gap(time_s: np.ndarray, rows: np.ndarray) -> list[str]:
 
 
 def zero_set_anew(channels: Mapping[str, np.ndarray], rows: np.ndarray) -> list[str]:
-    """A sentence where the displacement jumps once, as it never moves else, and the force does not.
+    """A sentence where a displacement that moves on jumps once, as it never does else, and the force does not.
 
     Parameters
     ----------
@@ -205,7 +205,9 @@ def zero_set_anew(channels: Mapping[str, np.ndarray], rows: np.ndarray) -> list[
         return []
     moved, pulled = np.diff(channels[DISPLACEMENT]), np.abs(np.diff(channels[FORCE]))
     at = int(np.abs(moved).argmax())
-    if abs(moved[at]) <= FAR * np.abs(np.delete(moved, at)).max() or pulled[at] > 2 * np.delete(pulled, at).max():
+    others = np.abs(np.delete(moved, at))
+    stands = np.median(others) == 0  # a stage that stood still, and took one step
+    if stands or abs(moved[at]) <= FAR * others.max() or pulled[at] > 2 * np.delete(pulled, at).max():
         return []
     return [
         f"between row {rows[at]} and row {rows[at + 1]} the displacement jumps by {moved[at]:.4g} mm, and the force "

@@ -156,8 +156,10 @@ def test_a_zero_that_was_set_anew_is_said(tmp_path):
     rows = [f"{n},{0.1 * n - 2.0 * (n >= 20):.1f},{0.1 * n:.1f}" for n in range(40)]
     (doubt,) = import_csv(_lines(tmp_path / "lab.csv", HEADER, *rows), Wish(40.0)).doubts
     assert doubt.startswith("between row 21 and row 22 the displacement jumps by -1.9 mm, and the force does not")
-    rows = [f"{n},{0.1 * n + 2.0 * (n >= 20):.1f},{0.1 * n + 2.0 * (n >= 20):.1f}" for n in range(40)]
-    assert import_csv(_lines(tmp_path / "lab.csv", HEADER, *rows), Wish(40.0)).doubts == []
+    force_too = [f"{n},{0.1 * n + 2.0 * (n >= 20):.1f},{0.1 * n + 2.0 * (n >= 20):.1f}" for n in range(40)]
+    one_step = [f"{n},{0.048 * (n >= 2)},{n % 3}" for n in range(40)]
+    for rows in (force_too, one_step):
+        assert import_csv(_lines(tmp_path / "lab.csv", HEADER, *rows), Wish(40.0)).doubts == []
 
 
 def test_what_stands_beside_the_table_in_its_first_rows_is_none_of_it(tmp_path):
