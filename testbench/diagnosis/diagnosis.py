@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from gcode.support.errors import UserError
 from gcode.support.kinds import number
+from testbench.comparing.carried_over import REST_S, with_same_specimen
 from testbench.diagnosis.conclusion import concluded
 from testbench.diagnosis.result import Diagnosis
 from testbench.diagnosis.searching.search import Progress, searched
@@ -18,7 +20,7 @@ from testbench.measurements.splitting import split
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import ModelFile
 
-REST_S, MOST_REST_S = 60.0, 86_400.0  # between several recordings of one specimen: usual, and at most
+MOST_REST_S = 86_400.0  # between several recordings of one specimen
 
 
 def diagnose(
@@ -68,7 +70,10 @@ def diagnose(
     start = model.model if isinstance(model, ModelFile) else model
     pieces = constants.INDEPENDENT * len(every)
     search, rounds, put_in = searched(calibration, catalogue, most, start, progress, pieces)
-    return concluded(search, rounds, put_in, calibration, held, given)
+    told = concluded(search, rounds, put_in, calibration, held, given)
+    if held_out is None or rest_between(len(every), rest_s) is not None:
+        return told
+    return replace(told, after=with_same_specimen(told.after, len(told.found), every[0], held_out, clamp_play_mm))
 
 
 def rest_between(recordings: int, rest_s: float | None) -> float | None:

@@ -50,6 +50,7 @@ class Summary(ExtraKept):
 class Errors(ExtraKept):
     calibration: dict[Label, Annotated[float, Field(ge=0)]]
     held_out: dict[Label, Annotated[float, Field(ge=0)]]
+    same_specimen: dict[Label, Annotated[float, Field(ge=0)]] = Field(default_factory=dict)
 
 
 class _Zero(ExtraKept):

@@ -11,12 +11,15 @@ import pytest
 import testbench as tb
 from gcode.support.errors import UserError
 from testbench.cli import main
+from testbench.comparing.carried_over import fails_elsewhere, with_same_specimen
+from testbench.comparing.ladder import ladder_step
 from testbench.diagnosis import diagnose
 from testbench.diagnosis.diagnosis import calibration_and_held_out, rest_between
 from testbench.knit.kinematics.mounting import DisplacementZeros, ForceZeros
 from testbench.knit.mechanics.damage import MullinsSoftening
 from testbench.measurements.joining import joined, last_of
 from testbench.recordings.recording import Recording
+from testbench.results.model_file import ModelFile
 from tests.testbench.builders import CATALOGUE, GAUGE_LENGTH_MM, record, truth, write_csv
 
 SOFTENS = truth().plus(MullinsSoftening(softening=0.4))
@@ -129,6 +132,19 @@ def test_recordings_that_share_no_channel_are_no_history():
     }
     with pytest.raises(UserError, match="the recordings share no channel, but pull 3 has force; all need the same"):
         diagnose([first, replace(second, channels=columns)], third, catalogue=CATALOGUE)
+
+
+def test_a_held_out_recording_of_the_same_specimen_is_told_where_it_was_taken_for_a_fresh_one():
+    first, second = (replace(one, channels={**one.channels, "displacement_mm": mm}) for one, mm in unshifted(2))
+    for held_out in (first, second):
+        step = ladder_step("+ mullins_softening", SOFTENS, *calibration_and_held_out([first], held_out))
+        file = ModelFile(SOFTENS, GAUGE_LENGTH_MM, history=(step,))
+        told = with_same_specimen(file, 1, first, held_out, 0.0)
+        if held_out is first:
+            assert told is file
+    said = fails_elsewhere(told.history, 1)
+    assert "that is for a fresh specimen. For the same one, after a rest of 60 s, it is 1.1 times as large" in said
+    assert "what was found does not carry over" in fails_elsewhere(file.history, 1)
 
 
 def test_no_recording_is_not_enough():
