@@ -17,8 +17,8 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from compensation.memories.ema import PAPER_COUNT, PAPER_RATE_HZ, smooth, smoothing_factors
 from compensation.model.compensator import TrainedCompensator
-from compensation.model.files import LARGEST_RATE_HZ, SMALLEST_RATE_HZ, save
-from compensation.model.runtime import check_streams
+from compensation.model.files import save
+from compensation.model.runtime import LARGEST_RATE_HZ, SMALLEST_RATE_HZ, check_streams
 from compensation.model.streaming import CompensatorStream
 from compensation.series.preprocessing import TARGETS, Series, stands_still
 from compensation.training.options import HIGHEST_SEED, Options
@@ -176,7 +176,8 @@ class Compensator(RegressorMixin, BaseEstimator):
             )
         if not (is_number(self.rate_hz) and SMALLEST_RATE_HZ <= self.rate_hz <= LARGEST_RATE_HZ):
             raise ValueError(
-                f"rate_hz must be a number from {SMALLEST_RATE_HZ:g} to {LARGEST_RATE_HZ:g}, got {self.rate_hz!r}"
+                f"rate_hz must be a number from {SMALLEST_RATE_HZ:.3g} (one sample an hour) to "
+                f"{LARGEST_RATE_HZ:.3g}, got {self.rate_hz!r}"
             )
         if not (is_number(self.seed, Integral) and 0 <= self.seed <= HIGHEST_SEED):
             raise ValueError(f"seed must be a whole number from 0 to {HIGHEST_SEED}, got {self.seed!r}")

@@ -29,6 +29,8 @@ from gcode.support.errors import UserError
 # Limits are numbers that single and double precision hold alike, so that all runtimes refuse the same samples.
 # About a microsecond, and an hour: a longer pause is a new start.
 SHORTEST_STEP_S, LONGEST_STEP_S = 2.0**-20, 3600.0
+# Of a compensator: the step from one sample to the next is neither of these.
+SMALLEST_RATE_HZ, LARGEST_RATE_HZ = 1 / LONGEST_STEP_S, 1 / SHORTEST_STEP_S
 # What single precision holds as a normal number (about 1e-37 to 1.7e38).
 SMALLEST_CONDUCTANCE_S, LARGEST_CONDUCTANCE_S = 2.0**-123, 2.0**127
 # Where no range is known: standard deviations that a float32 can square.

@@ -77,4 +77,4 @@ METHODS = {"auto": auto.train_automatically, "paper": train_on_series, "tuned": 
 
 def steps(method: str, series: Sequence[Series], options: Options) -> int:
     """How often a method reports progress on these series; the paper's more often where all starts are dead."""
-    return {"auto": auto.steps(series), "paper": options.restarts, "tuned": tuning.steps()}[method]
+    return {"auto": auto.steps(series), "paper": options.restarts, "tuned": tuning.steps(series, options)}[method]
