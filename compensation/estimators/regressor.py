@@ -32,6 +32,8 @@ EVERY_METHOD = (*METHODS, RIDGE)
 # Below, the networks of auto have nothing to be validated on.
 FEWEST_S, FEWEST_ROWS = 20.0, 10
 RIDGE_L2 = 1e-2
+# Sums of their squares are neither zero nor infinite.
+LEAST, MOST = 1e-100, 1e100
 
 # It has memory: these checks permute or thin out the rows, which are samples in time here.
 EXPECTED_FAILED_CHECKS = {
@@ -99,10 +101,17 @@ class Compensator(RegressorMixin, BaseEstimator):
         Raises
         ------
         ValueError
-            If a parameter is none of those allowed, X and y do not fit, or a recording has a single row.
+            If a parameter is none of those allowed, X and y do not fit or are in odd units, or a recording has a
+            single row.
         """
         self._check_parameters()
         X, y = validate_data(self, X, y, dtype=np.float64, y_numeric=True, ensure_min_samples=2)
+        for name, values in (("X", X), ("y", y)):
+            largest = np.abs(values).max()
+            if largest != 0 and not LEAST <= largest <= MOST:
+                raise ValueError(
+                    f"{name} is as large as {largest:.3g}, and {LEAST:g} to {MOST:g} can be squared; rescale it"
+                )
         parts = _parts(len(X), groups)
         for label, rows in parts.items():
             if len(rows) < 2:

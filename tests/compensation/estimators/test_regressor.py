@@ -92,6 +92,14 @@ def test_what_is_too_short_is_so_in_seconds(rows, rate_hz, count):
         model.stream()
 
 
+@pytest.mark.parametrize("factor", [1e-200, 1e200])
+def test_units_whose_squares_no_float_holds_are_refused(rows, factor):
+    X, y, _ = rows
+    for name, wrong in (("X", (factor * X, y)), ("y", (X, factor * y))):
+        with pytest.raises(ValueError, match=rf"{name} is as large as .*e.\d+, and 1e-100 to 1e.100 can be squared"):
+            Compensator(method="ridge").fit(*wrong)
+
+
 def test_a_slow_logger_learns_the_same(rows):
     """A sample an hour: memories last as many samples as at 1 Hz, and the stream takes every one."""
     X, y, labels = rows
