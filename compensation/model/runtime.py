@@ -1,4 +1,4 @@
-"""What a compensator in use must know beside its networks: what it has seen, and where to begin.
+"""Rules of a compensator in use: which samples it leaves out, what it was never trained on, how its memories begin.
 
 A sensor that is worn is read through loose contacts and switched on at any moment. Three rules keep it usable; the
 stream, the C header and the ONNX model follow them alike:
