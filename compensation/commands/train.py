@@ -142,21 +142,14 @@ def _options(args: argparse.Namespace) -> Options:
     if "factors" in given:
         given["alphas"] = common.parse_factors(given.pop("factors"))
     options = Options(seed=args.seed, irregular=args.irregular, per_recording=args.per_recording, **given)
-    if chosen := _for_use(args):
-        options.check_for_use(chosen)
     engine(options.engine)
     return options
-
-
-def _for_use(args: argparse.Namespace) -> str:
-    """The method that was chosen, if it makes its own choices and learns for use; else empty."""
-    return "--twin" if args.twin else f"--method {args.method}" if args.method in ("auto", "tuned") else ""
 
 
 def _check(args: argparse.Namespace) -> None:
     from compensation.training.options import HIGHEST_SEED
 
-    chosen = _for_use(args)
+    chosen = "--twin" if args.twin else f"--method {args.method}" if args.method in ("auto", "tuned") else ""
     for name in OWN_CHOICES:
         if chosen and getattr(args, name) is not None:
             raise UserError(f"--{name} is for --method paper only: {chosen} makes that choice itself; leave it out")

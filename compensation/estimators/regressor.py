@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.linear_model import Ridge
@@ -239,7 +240,5 @@ def _parts(count: int, groups: Any) -> dict[Hashable, NDArray[np.intp]]:
     labels = np.asarray(groups)
     if labels.shape != (count,):
         raise ValueError(f"groups must have one label a row, {count}, got shape {labels.shape}")
-    found: dict[Hashable, list[int]] = {}
-    for row, label in enumerate(labels.tolist()):
-        found.setdefault(label, []).append(row)
-    return {label: np.array(rows) for label, rows in found.items()}
+    codes, names = pd.factorize(labels, use_na_sentinel=False)
+    return {name: np.flatnonzero(codes == code) for code, name in enumerate(names.tolist())}

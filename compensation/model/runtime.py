@@ -41,11 +41,20 @@ class Status(IntFlag):
     """What is wrong with a prediction; 0 where nothing is."""
 
     GOOD = 0
-    BAD_READING = 1  # not finite or not positive: left out, the last value repeated
-    BAD_STEP = 2  # time step not finite, below about 1 us or above an hour: as above
-    UNSEEN_READING = 4  # conductance outside the range of the training
-    UNSEEN_HISTORY = 8  # a memory outside the range of the training
-    STARTING = 16  # the first samples, from which the memories' start is taken
+    BAD_READING = 1
+    BAD_STEP = 2
+    UNSEEN_READING = 4
+    UNSEEN_HISTORY = 8
+    STARTING = 16
+
+
+MEANING = {
+    Status.BAD_READING: "not finite or not positive: left out, the last value repeated",
+    Status.BAD_STEP: "time step not finite, below about 1 us or above an hour: left out likewise",
+    Status.UNSEEN_READING: "conductance outside the range of the training",
+    Status.UNSEEN_HISTORY: "a memory outside the range of the training",
+    Status.STARTING: "the first samples, from which the memories' start is taken",
+}
 
 
 def check_streams(compensator: TrainedCompensator) -> None:

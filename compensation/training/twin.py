@@ -90,6 +90,7 @@ def train_from_twin(
         Told about the fit and each network: `steps` times.
     """
     options = replace(options or Options(), sizes=SIZES, l2=L2, history=HISTORY)
+    options.check_for_use("--twin")
     measured = series_of(recording, target, options.resampling_hz)
     models = plausible(model, recording)
     progress("fitted the model")
