@@ -1,13 +1,13 @@
 """Rules of a compensator in use: which samples it leaves out, what it was never trained on, how its memories begin.
 
-A sensor that is worn is read through loose contacts and switched on at any moment. Three rules keep it usable; the
-stream, the C header and the ONNX model follow them alike:
+A worn sensor is read through loose contacts and switched on at any moment. The stream, the C header and the ONNX
+model follow the same three rules:
 
 - *A faulty sample changes nothing*: a reading that is not finite or not positive, or a time step that is not between
   `SHORTEST_STEP_S` and `LONGEST_STEP_S`, leaves the state as it was, repeats the last value and says so.
 - *What was not seen in training is said*: a conductance, or a memory, outside the range of the training sets a
   status. The conductance that goes into the memories is held within one width of that range to either side, so that
-  a single spark cannot fill them for minutes.
+  a single spike cannot fill them for minutes.
 - *Where to begin*: the first reading says something about what the memories would hold had they been running. Their
   expected values given it, learned by linear regression over the training, are what they start from.
 """

@@ -96,17 +96,8 @@ def sweep(
 ) -> list[dict[str, Any]]:
     """Run every job that `results` does not hold yet; each is appended as soon as it is done.
 
-    Parameters
-    ----------
-    task : Task
-    jobs : sequence of (Candidate, seed)
-    results : path
-        JSON lines; a sweep that was killed goes on from here.
-    workers : int
-        Processes on this machine (backend ``loky``).
-    backend : {"loky", "dask"}
-    scheduler : str, optional
-        Address of a running Dask scheduler; without it, a local cluster is started.
+    `results` are JSON lines: a sweep that was killed goes on from there. `workers` processes run on this machine
+    (backend ``loky``), or on a Dask cluster: that of the `scheduler`, or a local one.
 
     Raises
     ------

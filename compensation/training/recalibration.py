@@ -60,13 +60,7 @@ class Correction:
 
 
 def recalibrated(compensator: TrainedCompensator, part: Series) -> TrainedCompensator:
-    """The compensator, corrected by a short recording with a reference.
-
-    Parameters
-    ----------
-    compensator : TrainedCompensator
-    part : Series
-        Half a minute to a minute: motion, or rest at a known value (without load: zero).
+    """The compensator, corrected by a reference: half a minute to a minute of motion, or of rest at a known value.
 
     Raises
     ------
@@ -82,7 +76,7 @@ def recalibrated(compensator: TrainedCompensator, part: Series) -> TrainedCompen
             f"{part.source}: {duration_s:.1f} s of reference; a recalibration needs at least {LEAST_S:g} s, "
             "and is worth more with 30 to 60 s"
         )
-    part, left_out = _without_sparks(compensator, part)
+    part, left_out = _without_outliers(compensator, part)
     _check_of_this_sensor(compensator, part)
     found = correction(compensator, part)
     before, after = (_rms(one, part) for one in (compensator, found.of(compensator)))
@@ -105,7 +99,7 @@ def correction(compensator: TrainedCompensator, part: Series) -> Correction:
     from scipy.optimize import least_squares
 
     running = compensator.in_use
-    recorded_s, reference = recorded_time_s(part.time_s), _within_reach(compensator, part.truth)
+    recorded_s, reference = recorded_time_s(part.time_s), _explainable(compensator, part.truth)
     late = (recorded_s >= WARM_S) & np.isfinite(reference)
     # Weights that make as many errors as there are count as independent ones.
     weight = np.sqrt(recorded_s[-1] / APART_S / late.sum()) / (ERROR * compensator.scaling_out.scale)
@@ -118,14 +112,7 @@ def correction(compensator: TrainedCompensator, part: Series) -> Correction:
 
 
 def end_of_first(seconds: float, time_s: FloatArray) -> float:
-    """When the first seconds are over: with the sample after them, for so long lies between samples then.
-
-    Parameters
-    ----------
-    seconds : float
-    time_s : ndarray, shape (n,)
-        A gap in which they end is no part of them.
-    """
+    """When the first seconds of the times (n,) are over: with the sample after them, unless they end in a gap."""
     end_s = float(time_s.min()) + seconds
     if any(start_s <= end_s < stop_s for start_s, stop_s in gaps_in(np.sort(time_s))):
         return end_s
@@ -176,7 +163,7 @@ def one_sigma_changes(compensator: TrainedCompensator, series: Sequence[Series])
     return np.stack([prediction(_moved(off).of(compensator)) - as_it_is for off in np.eye(len(SPREADS))])
 
 
-def _within_reach(compensator: TrainedCompensator, truth: FloatArray) -> FloatArray:
+def _explainable(compensator: TrainedCompensator, truth: FloatArray) -> FloatArray:
     """What the compensator would predict of this reference if its gains and zeros were right.
 
     One that explains a share r2 of the variance falls short by 1 - r2 of the way from the mean. Where the reference
@@ -188,7 +175,7 @@ def _within_reach(compensator: TrainedCompensator, truth: FloatArray) -> FloatAr
     return mean + float(np.clip(promise["r2"], 0.0, 1.0)) * (truth - mean)
 
 
-def _without_sparks(compensator: TrainedCompensator, part: Series) -> tuple[Series, int]:
+def _without_outliers(compensator: TrainedCompensator, part: Series) -> tuple[Series, int]:
     """The reference, its target NaN where it is out of the training's reach, and how often that is.
 
     No correction makes a network predict what it has never seen: one reading of 1e5 N would outweigh all others.

@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from compensation.engines.network import mean_output
+from compensation.engines.network import alive, mean_output
 from compensation.memories.history import NO_HISTORY, History
 from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import ready_for_use
@@ -186,7 +186,7 @@ def ensemble(
         counts = [len(blank.alphas), len(whole.motion_taus_s), len(whole.play_radii)]
         networks.append(learned.fit_on_all(options, seed + number).reading(np.repeat(known, counts)))
         progress(f"network {seed + number}")
-    live = [network for network in networks if not network.is_dead(features)] or networks
+    live = alive(networks, features)
     recipe = describe(series, best.options, networks, features) | {
         "method": "tuned",
         "engine": "fast",
@@ -197,7 +197,7 @@ def ensemble(
         "members": [_summary(choice) for choice in decision.members],
         "cross_validation": [_summary(choice) for choice in decision.tried],
     }
-    return ready_for_use(replace(blank, networks=tuple(live), recipe=recipe), series)
+    return ready_for_use(replace(blank, networks=live, recipe=recipe), series)
 
 
 def _union(histories: Sequence[History]) -> History:
