@@ -1,4 +1,4 @@
-"""Models of one measurement, each fitted as models are compared."""
+"""Fits models to one measurement, all on the grid and with the noise with which they are compared."""
 
 from __future__ import annotations
 
