@@ -65,8 +65,8 @@ def recalibrated(compensator: TrainedCompensator, part: Series) -> TrainedCompen
     Raises
     ------
     UserError
-        If less than 5 s were recorded; if the target stands still while the sensor moves; or if the compensator
-        standardises each recording by itself.
+        If less than 5 s were recorded; if most of the target is out of the training's reach; if it stands still while
+        the sensor moves; or if the compensator standardises each recording by itself.
     """
     if compensator.per_recording:
         raise UserError("a compensator trained with --per-recording knows no level that could be corrected")
@@ -100,9 +100,10 @@ def correction(compensator: TrainedCompensator, part: Series) -> Correction:
 
     running = compensator.in_use
     recorded_s, reference = recorded_time_s(part.time_s), _explainable(compensator, part.truth)
-    late = (recorded_s >= WARM_S) & np.isfinite(reference)
+    late = recorded_s >= WARM_S
     # Weights that make as many errors as there are count as independent ones.
     weight = np.sqrt(recorded_s[-1] / APART_S / late.sum()) / (ERROR * compensator.scaling_out.scale)
+    late &= np.isfinite(reference)
 
     def residual(numbers: FloatArray) -> FloatArray:
         error = _moved(numbers).of(running).predict_series(part) - reference
