@@ -58,6 +58,8 @@ def test_groups_begin_anew(rows):
     assert np.abs(whole - model.predict(X)).max() > 0.01
     with pytest.raises(ValueError, match="one label a row"):
         model.predict(X, groups=labels[:5])
+    nameless = np.where(labels == "T", np.nan, 1.0)  # rows without a label are one recording
+    np.testing.assert_array_equal(model.predict(X, groups=nameless)[labels == "T"], whole[labels == "T"])
 
 
 def test_interleaved_groups_are_the_same_recordings(rows):
