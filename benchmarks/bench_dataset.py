@@ -1,7 +1,7 @@
 """A data set on a Dask cluster: memory, throughput beside the simulation alone, what a second run redoes.
 
     python benchmarks/bench_dataset.py                       40 campaigns of 23 min, two workers
-    python benchmarks/bench_dataset.py --campaigns 10000     the size that docs/datasets.md speaks of
+    python benchmarks/bench_dataset.py --campaigns 10000
 
 Every fourth of the data set is simulated without being written (as far as arrays of readings, and as far as the bytes
 that a rig would send), then made, so that all three meet the same machine. What is compared are seconds of the

@@ -29,7 +29,7 @@ from compensation.training import twin
 from compensation.training.options import Options
 from compensation.training.training import train_on_series
 from compensation.training.tuning import tune
-from compensation.training.twin_models import plausible
+from compensation.training.twin import plausible
 from testbench.fitting.baseline import starting_baseline
 from testbench.fitting.fit import fit
 from testbench.knit.model import KnitModel

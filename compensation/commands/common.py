@@ -158,7 +158,7 @@ def cross_validation_table(recipe: Mapping[str, Any], unit: str) -> str:
         )
     if promise["r2_ordinary"] <= 0:
         lines.append(
-            "  no better than a constant: was the reference recorded throughout, and is it that of this sensor?"
+            "  no better than a constant: was this sensor's reference recorded throughout, and without spikes?"
         )
     if recipe["chosen"] == "line":
         lines.append("  nothing is better than a straight line here, so that is what you get")

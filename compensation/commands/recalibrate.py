@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     from compensation.model.files import load, save
-    from compensation.training.recalibration import LEAST_S, recalibrated
+    from compensation.training.recalibration import LEAST_S, reach, recalibrated
 
     if not LEAST_S <= args.seconds < float("inf"):
         raise UserError(f"--seconds must be a number from {LEAST_S:g} on, got {args.seconds:g}")
@@ -41,8 +41,10 @@ def run(args: argparse.Namespace) -> int:
     found = recalibrated(compensator, part)
     save(args.output, found)
     note, unit = found.recipe["recalibrated"][-1], compensator.unit
+    left_out = note["left_out"]
+    far = f", without {left_out} sample(s) beyond {reach(compensator):.3g} {unit}" if left_out else ""
     print(
-        f"{note['seconds']:.0f} s of reference: RMS {note['rms_before']:.3f} -> {note['rms_after']:.3f} {unit}\n"
+        f"{note['seconds']:.0f} s of reference{far}: RMS {note['rms_before']:.3f} -> {note['rms_after']:.3f} {unit}\n"
         f"  conductance: gain {note['gain_in']:.3f}, zero {note['shift_in']:+.3f} standard deviations\n"
         f"  {compensator.target}: gain {note['gain_out']:.3f}, zero {note['shift_out']:+.3f} standard deviations\n"
         f"wrote {args.output}"

@@ -50,8 +50,6 @@ def run(args: argparse.Namespace) -> int:
     from dataclasses import asdict
     from pathlib import Path
 
-    from compensation.search import search
-    from compensation.search.ranking import rank, split_half_agreement
     from gcode.support.console import Progress
 
     chosen = _chosen(args)
@@ -59,6 +57,9 @@ def run(args: argparse.Namespace) -> int:
         print("\n".join(map(str, chosen)))
         return 0
     _check(args)
+    from compensation.search import search
+    from compensation.search.ranking import rank, split_half_agreement
+
     check_places(args.output, args.plot)
     paths = tuple(str(Path(path).resolve()) for path in args.recordings)
     task = search.Task(paths, args.gauge_length_mm, args.target, args.engine, args.per_recording)

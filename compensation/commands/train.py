@@ -98,18 +98,17 @@ def _implied(args: argparse.Namespace) -> str:
 
 
 def _check_long_enough(args: argparse.Namespace, options: Options, recordings: list[Recording]) -> None:
-    """A filter that remembers longer than the recording lasts never leaves its initial value."""
-    from compensation.memories.ema import smoothing_factors
-    from compensation.training.learners import COUNT, FACTOR
+    """A filter that remembers longer than the recording lasts never leaves its initial value.
+
+    The slowest one of `auto`, and of what `tuned` tries first, is as slow as the paper's.
+    """
     from testbench.recordings.recording import recorded_duration_s
 
-    bank = smoothing_factors(FACTOR, COUNT) if args.method == "auto" else options.bank
-    slowest_s = 1.0 / (options.rate_hz * float(min(bank)))
     longest_s = max(recorded_duration_s(recording.time_s) for recording in recordings)
-    if slowest_s > longest_s and not args.twin:
+    if options.slowest_s > longest_s and not args.twin:
         raise UserError(
-            f"the slowest filter remembers {slowest_s:.0f} s and the longest recording has {longest_s:.0f} s; record "
-            "longer, or take --method paper with a smaller --factor or --count"
+            f"the slowest filter remembers {options.slowest_s:.0f} s and the longest recording has {longest_s:.0f} "
+            "s; record longer, or take --method paper with a smaller --factor or --count"
         )
 
 
@@ -143,21 +142,14 @@ def _options(args: argparse.Namespace) -> Options:
     if "factors" in given:
         given["alphas"] = common.parse_factors(given.pop("factors"))
     options = Options(seed=args.seed, irregular=args.irregular, per_recording=args.per_recording, **given)
-    if chosen := _for_use(args):
-        options.check_for_use(chosen)
     engine(options.engine)
     return options
-
-
-def _for_use(args: argparse.Namespace) -> str:
-    """The method that was chosen, if it makes its own choices and learns for use; else empty."""
-    return "--twin" if args.twin else f"--method {args.method}" if args.method in ("auto", "tuned") else ""
 
 
 def _check(args: argparse.Namespace) -> None:
     from compensation.training.options import HIGHEST_SEED
 
-    chosen = _for_use(args)
+    chosen = "--twin" if args.twin else f"--method {args.method}" if args.method in ("auto", "tuned") else ""
     for name in OWN_CHOICES:
         if chosen and getattr(args, name) is not None:
             raise UserError(f"--{name} is for --method paper only: {chosen} makes that choice itself; leave it out")

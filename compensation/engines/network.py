@@ -88,6 +88,11 @@ class Network(Unchanging):
         return cls(w, b)
 
 
+def alive(networks: Sequence[Network], features: FloatArray) -> tuple[Network, ...]:
+    """Those that are not dead; the first where all are."""
+    return tuple(network for network in networks if not network.is_dead(features)) or tuple(networks[:1])
+
+
 def mean_output(networks: Sequence[Network], features: FloatArray) -> FloatArray:
     """Mean over networks of their outputs for each row of `features` (n, k): shape (n,)."""
     return np.mean([network(features) for network in networks], axis=0)

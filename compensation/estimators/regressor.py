@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.linear_model import Ridge
@@ -17,8 +18,8 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from compensation.memories.ema import PAPER_COUNT, PAPER_RATE_HZ, smooth, smoothing_factors
 from compensation.model.compensator import TrainedCompensator
-from compensation.model.files import LARGEST_RATE_HZ, SMALLEST_RATE_HZ, save
-from compensation.model.runtime import check_streams
+from compensation.model.files import save
+from compensation.model.runtime import LARGEST_RATE_HZ, SMALLEST_RATE_HZ, check_streams
 from compensation.model.streaming import CompensatorStream
 from compensation.series.preprocessing import TARGETS, Series, stands_still
 from compensation.training.options import HIGHEST_SEED, Options
@@ -32,6 +33,8 @@ EVERY_METHOD = (*METHODS, RIDGE)
 # Below, the networks of auto have nothing to be validated on.
 FEWEST_S, FEWEST_ROWS = 20.0, 10
 RIDGE_L2 = 1e-2
+# Sums of their squares are neither zero nor infinite.
+LEAST, MOST = 1e-100, 1e100
 
 # It has memory: these checks permute or thin out the rows, which are samples in time here.
 EXPECTED_FAILED_CHECKS = {
@@ -99,10 +102,17 @@ class Compensator(RegressorMixin, BaseEstimator):
         Raises
         ------
         ValueError
-            If a parameter is none of those allowed, X and y do not fit, or a recording has a single row.
+            If a parameter is none of those allowed, X and y do not fit or are in odd units, or a recording has a
+            single row.
         """
         self._check_parameters()
         X, y = validate_data(self, X, y, dtype=np.float64, y_numeric=True, ensure_min_samples=2)
+        for name, values in (("X", X), ("y", y)):
+            largest = np.abs(values).max()
+            if largest != 0 and not LEAST <= largest <= MOST:
+                raise ValueError(
+                    f"{name} is as large as {largest:.3g}, and {LEAST:g} to {MOST:g} can be squared; rescale it"
+                )
         parts = _parts(len(X), groups)
         for label, rows in parts.items():
             if len(rows) < 2:
@@ -176,7 +186,8 @@ class Compensator(RegressorMixin, BaseEstimator):
             )
         if not (is_number(self.rate_hz) and SMALLEST_RATE_HZ <= self.rate_hz <= LARGEST_RATE_HZ):
             raise ValueError(
-                f"rate_hz must be a number from {SMALLEST_RATE_HZ:g} to {LARGEST_RATE_HZ:g}, got {self.rate_hz!r}"
+                f"rate_hz must be a number from {SMALLEST_RATE_HZ:.3g} (one sample an hour) to "
+                f"{LARGEST_RATE_HZ:.3g}, got {self.rate_hz!r}"
             )
         if not (is_number(self.seed, Integral) and 0 <= self.seed <= HIGHEST_SEED):
             raise ValueError(f"seed must be a whole number from 0 to {HIGHEST_SEED}, got {self.seed!r}")
@@ -229,7 +240,5 @@ def _parts(count: int, groups: Any) -> dict[Hashable, NDArray[np.intp]]:
     labels = np.asarray(groups)
     if labels.shape != (count,):
         raise ValueError(f"groups must have one label a row, {count}, got shape {labels.shape}")
-    found: dict[Hashable, list[int]] = {}
-    for row, label in enumerate(labels.tolist()):
-        found.setdefault(label, []).append(row)
-    return {label: np.array(rows) for label, rows in found.items()}
+    codes, names = pd.factorize(labels, use_na_sentinel=False)
+    return {name: np.flatnonzero(codes == code) for code, name in enumerate(names.tolist())}

@@ -15,9 +15,9 @@ from compensation.model.compensator import Fitted, TrainedCompensator, trained
 from compensation.model.runtime import (
     LARGEST_CONDUCTANCE_S,
     LONGEST_STEP_S,
+    MEANING,
     SHORTEST_STEP_S,
     SMALLEST_CONDUCTANCE_S,
-    Status,
     beginning_of,
     check_streams,
     limits_of,
@@ -163,14 +163,7 @@ def _network_call(name: str, index: int, network: Network) -> str:
 
 
 def _flags(prefix: str) -> str:
-    comments = {
-        Status.BAD_READING: "not finite or not positive: left out, the last value repeated",
-        Status.BAD_STEP: "time step not finite, not positive or too long: left out likewise",
-        Status.UNSEEN_READING: "conductance outside the range of the training",
-        Status.UNSEEN_HISTORY: "a memory outside the range of the training",
-        Status.STARTING: "the first samples",
-    }
-    return "\n".join(f"#define {prefix}_{flag.name} {int(flag)}u /* {text} */" for flag, text in comments.items())
+    return "\n".join(f"#define {prefix}_{flag.name} {int(flag)}u /* {text} */" for flag, text in MEANING.items())
 
 
 def _margins(prefix: str, margins: tuple[float, float] | None) -> str:

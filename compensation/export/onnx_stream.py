@@ -8,6 +8,7 @@ import numpy as np
 
 from compensation.model.runtime import Status
 from gcode.support.errors import UserError
+from gcode.support.kinds import number
 
 
 class OnnxStream:
@@ -58,8 +59,8 @@ class OnnxStream:
 
     def update(self, conductance_S: float, dt_s: float | None = None) -> float:
         """Feed one sample; see `compensation.model.streaming.CompensatorStream.update`."""
-        steps = 1.0 if dt_s is None else dt_s * self.rate_hz
-        sample = {"conductance_S": np.array([conductance_S], dtype=float), "steps": np.array([steps], dtype=float)}
+        steps = 1.0 if dt_s is None else number("dt_s", dt_s) * self.rate_hz
+        sample = {"conductance_S": np.array([number("conductance_S", conductance_S)]), "steps": np.array([steps])}
         prediction, status, *following = self._session.run(None, sample | self._state)
         self._state = dict(zip(self._state, following, strict=True))
         self.value, self.status = float(prediction[0]), Status(int(status[0]))

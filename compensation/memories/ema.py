@@ -7,6 +7,8 @@ first ``M_i = ceil(1 / (f alpha_i))`` samples.
 Which reading of ``M``: ``1 / (f alpha)`` is the filter's time constant in *seconds*, yet the paper uses it as a
 *number of samples*. We take the formula as printed (1, 1, 1, 2, 5, 13, 31 samples for a = 2.5, N = 7, f = 20 Hz):
 it is what the authors ran, and reading it as seconds changes held-out scores by less than their spread over seeds.
+Below 1 Hz, which the paper does not go to, the formula would average over more samples than the filter remembers
+(1 / alpha): f counts as 1 there.
 """
 
 from __future__ import annotations
@@ -60,10 +62,15 @@ def given_factors(alphas: Sequence[float]) -> FloatArray:
 
 
 def start_samples(alphas: Sequence[float] | FloatArray, rate_hz: float) -> NDArray[np.int64]:
-    """Samples averaged for each filter's initial value: ``M_i = ceil(1 / (f alpha_i))``."""
-    exact = 1.0 / (rate_hz * np.asarray(alphas, dtype=np.float64))
+    """Samples averaged for each filter's initial value: ``M_i = ceil(1 / (f alpha_i))``, below 1 Hz with f = 1."""
+    exact = 1.0 / (max(rate_hz, 1.0) * np.asarray(alphas, dtype=np.float64))
     # 1 / (20 * 0.05) must be 1, not 2 because of the last bit.
     return np.ceil(exact * (1 - 1e-12)).astype(np.int64)
+
+
+def slowest_memory_s(alphas: Sequence[float] | FloatArray, rate_hz: float) -> float:
+    """Time constant (s) of the slowest filter of a bank."""
+    return 1.0 / (rate_hz * float(min(alphas)))
 
 
 def log_retention(alphas: FloatArray) -> FloatArray:

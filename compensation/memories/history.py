@@ -1,4 +1,4 @@
-"""Two memories of a signal that no smoothing of it can have: how much it moved lately, and where it turned round.
+"""Two memories that no smoothing of a signal replaces: how much it moved lately, and where it turned round.
 
 *Motion*: a knit's conductance answers to motion as such, in either direction, and recovers at rest. The smoothed
 speed ``|ds/dt|`` of the lightly smoothed signal ``s`` says how much motion there was in the last seconds to half a

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from compensation.engines.network import Network, mean_output
-from compensation.memories.ema import smooth
+from compensation.memories.ema import slowest_memory_s, smooth
 from compensation.memories.history import NO_HISTORY, History
 from compensation.series.preprocessing import TARGETS, Series
 from gcode.support.arrays import FloatArray
@@ -138,7 +138,7 @@ class TrainedCompensator(Unchanging):
     @property
     def slowest_s(self) -> float:
         """Time constant (s) of the slowest filter of the bank."""
-        return 1.0 / (self.rate_hz * float(min(self.alphas)))
+        return slowest_memory_s(self.alphas, self.rate_hz)
 
     @property
     def input_count(self) -> int:

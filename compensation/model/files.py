@@ -15,6 +15,7 @@ from compensation.engines.network import Network
 from compensation.memories.ema import SMALLEST_ALPHA
 from compensation.memories.history import SETTLE_S, History
 from compensation.model.compensator import Beginning, Scaling, Seen, TrainedCompensator
+from compensation.model.runtime import LARGEST_RATE_HZ, SMALLEST_RATE_HZ
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError, first_problem
 from gcode.support.files import write_json
@@ -28,9 +29,8 @@ READABLE = (2, 3, 4)
 LARGEST, SMALLEST = 1e12, 1e-30
 _Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 _Positive = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
-# A second, and a rate, within six orders of magnitude of one.
-SMALLEST_RATE_HZ, LARGEST_RATE_HZ = 1e-6, 1e6
-_RateOrTime = Annotated[float, Field(ge=SMALLEST_RATE_HZ, le=LARGEST_RATE_HZ)]
+# Within six orders of magnitude of a second.
+_Time = Annotated[float, Field(ge=1e-6, le=1e6)]
 
 
 class _Strict(BaseModel):
@@ -48,9 +48,9 @@ class _Network(_Strict):
 
 
 class _History(_Strict):
-    motion_taus_s: list[_RateOrTime]
+    motion_taus_s: list[_Time]
     play_radii: list[_Positive]
-    settle_s: _RateOrTime = SETTLE_S
+    settle_s: _Time = SETTLE_S
 
 
 def _ordered(ends: Sequence[float]) -> Sequence[float]:
@@ -116,7 +116,7 @@ class _File(_Strict):
     version: int
     knitbench: str
     target: str = Field(pattern="^(force|displacement)$")
-    rate_hz: _RateOrTime
+    rate_hz: Annotated[float, Field(ge=SMALLEST_RATE_HZ, le=LARGEST_RATE_HZ)]
     alphas: list[Annotated[float, Field(ge=SMALLEST_ALPHA, le=1)]] = Field(min_length=1)
     start: str = Field(pattern="^(paper|causal)$")
     irregular: bool

@@ -1,13 +1,13 @@
-"""What a compensator in use must know beside its networks: what it has seen, and where to begin.
+"""Rules of a compensator in use: which samples it leaves out, what it was never trained on, how its memories begin.
 
-A sensor that is worn is read through loose contacts and switched on at any moment. Three rules keep it usable; the
-stream, the C header and the ONNX model follow them alike:
+A worn sensor is read through loose contacts and switched on at any moment. The stream, the C header and the ONNX
+model follow the same three rules:
 
 - *A faulty sample changes nothing*: a reading that is not finite or not positive, or a time step that is not between
   `SHORTEST_STEP_S` and `LONGEST_STEP_S`, leaves the state as it was, repeats the last value and says so.
 - *What was not seen in training is said*: a conductance, or a memory, outside the range of the training sets a
   status. The conductance that goes into the memories is held within one width of that range to either side, so that
-  a single spark cannot fill them for minutes.
+  a single spike cannot fill them for minutes.
 - *Where to begin*: the first reading says something about what the memories would hold had they been running. Their
   expected values given it, learned by linear regression over the training, are what they start from.
 """
@@ -29,6 +29,8 @@ from gcode.support.errors import UserError
 # Limits are numbers that single and double precision hold alike, so that all runtimes refuse the same samples.
 # About a microsecond, and an hour: a longer pause is a new start.
 SHORTEST_STEP_S, LONGEST_STEP_S = 2.0**-20, 3600.0
+# Of a compensator: the step from one sample to the next is neither of these.
+SMALLEST_RATE_HZ, LARGEST_RATE_HZ = 1 / LONGEST_STEP_S, 1 / SHORTEST_STEP_S
 # What single precision holds as a normal number (about 1e-37 to 1.7e38).
 SMALLEST_CONDUCTANCE_S, LARGEST_CONDUCTANCE_S = 2.0**-123, 2.0**127
 # Where no range is known: standard deviations that a float32 can square.
@@ -39,11 +41,20 @@ class Status(IntFlag):
     """What is wrong with a prediction; 0 where nothing is."""
 
     GOOD = 0
-    BAD_READING = 1  # not finite or not positive: left out, the last value repeated
-    BAD_STEP = 2  # time step not finite, below about 1 us or above an hour: as above
-    UNSEEN_READING = 4  # conductance outside the range of the training
-    UNSEEN_HISTORY = 8  # a memory outside the range of the training
-    STARTING = 16  # the first samples, from which the memories' start is taken
+    BAD_READING = 1
+    BAD_STEP = 2
+    UNSEEN_READING = 4
+    UNSEEN_HISTORY = 8
+    STARTING = 16
+
+
+MEANING = {
+    Status.BAD_READING: "not finite or not positive: left out, the last value repeated",
+    Status.BAD_STEP: "time step not finite, below about 1 us or above an hour: left out likewise",
+    Status.UNSEEN_READING: "conductance outside the range of the training",
+    Status.UNSEEN_HISTORY: "a memory outside the range of the training",
+    Status.STARTING: "the first samples, from which the memories' start is taken",
+}
 
 
 def check_streams(compensator: TrainedCompensator) -> None:

@@ -1,4 +1,4 @@
-"""Sample by sample, as on the chip: the same numbers as the batch, in constant memory."""
+"""A compensator that is fed sample by sample, as on a chip: the numbers of `predict`, in constant memory."""
 
 from __future__ import annotations
 

@@ -33,14 +33,8 @@ def campaigns(
 ) -> dict[str, Recording]:
     """Recordings of one sensor, simulated where `folder` does not hold them yet.
 
-    Parameters
-    ----------
-    sensor : str
-        Name of a preset.
-    runs : sequence of str
-        The first ones of `RUNS`, as many as are wanted.
-    number : int
-        Another number: another specimen of the sensor, other trajectories, other noise.
+    `runs` are the first ones of `RUNS`; another `number` is another specimen of the preset `sensor`, other
+    trajectories, other noise.
     """
     from testbench.campaigns.campaign import Plan, matches, simulate_campaign
     from testbench.campaigns.clearing import vacant

@@ -13,15 +13,7 @@ SYMBOL = {"force": "F", "displacement": "d"}
 
 
 def draw_scores(scores: dict[str, Any], path: str | Path) -> None:
-    """Write one picture: a band for each recording with F, G and p over time, two zooms, scatter before and after.
-
-    Parameters
-    ----------
-    scores : dict
-        As from `compensation.scoring.scorecard.score_recordings`.
-    path : path
-        PNG, PDF or SVG, by its suffix.
-    """
+    """Write a PNG, PDF or SVG: a band for each recording with F, G and p over time, two zooms, scatter plots."""
     from matplotlib.figure import Figure
 
     rows = scores["recordings"]

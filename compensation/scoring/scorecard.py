@@ -25,13 +25,7 @@ ZOOM_S, ZOOMS = 60.0, 3
 
 
 def score_recordings(compensator: TrainedCompensator, recordings: Sequence[Recording]) -> dict[str, Any]:
-    """Score a compensator on recordings as it runs in use: its memories begin as a stream's do.
-
-    Returns
-    -------
-    dict
-        JSON-ready; see docs/compensation.md.
-    """
+    """Score a compensator as it runs in use (its memories begin as a stream's do): the document, ready for JSON."""
     rows = [_score_one(compensator, recording) for recording in recordings]
     held_out = [row for row in rows if row["role"] == "held-out"]
     return {

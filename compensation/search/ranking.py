@@ -14,7 +14,7 @@ DRAWS = 1000
 
 @dataclass(frozen=True)
 class Ranked:
-    """One candidate's place; its 95 % interval, and the chance to be first, are of seeds that are drawn again."""
+    """One candidate's place, with its 95 % interval and the chance to be first over resampled seeds."""
 
     key: str
     parameters: int

@@ -9,10 +9,20 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from compensation.engines.engine import DEFAULT_L2, engine
+from compensation.memories.ema import PAPER_RATE_HZ
 from compensation.search.search_space import Candidate
+from compensation.series.preprocessing import Series, series_of
+from compensation.series.reading import check_tared, read_signals
+from compensation.series.score import error_of_two, r2
+from compensation.training.options import Options
+from compensation.training.untrained import training_arrays, untrained
+from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from gcode.support.files import write_text
 from gcode.support.strict import json_of, read_text
+from testbench.recordings.doubts import check_distinct
+from testbench.recordings.recording import Recording
 
 DASK_ROUND = 50
 RANKED_BY = ("seed", "parameters", "dead", "E", "r2_A", "r2_B")
@@ -31,9 +41,6 @@ class Task:
 
 def evaluate(task: Task, candidate: Candidate, seed: int) -> dict[str, Any]:
     """Train one candidate from one seed on the first recording, score it on the other two."""
-    from compensation.engines.engine import DEFAULT_L2, engine
-    from compensation.series.score import error_of_two, r2
-
     (features, truth), *tests = _arrays(task, candidate.bank.alphas)
     network = engine(task.engine)(features, truth, candidate.sizes, seed, DEFAULT_L2).network
     scores = [r2(target, network(inputs)) for inputs, target in tests]
@@ -53,16 +60,12 @@ def evaluate(task: Task, candidate: Candidate, seed: int) -> dict[str, Any]:
 
 def check(task: Task) -> None:
     """Read the recordings once, so that a bad one, or one twice, is refused before anything is started."""
-    from testbench.recordings.doubts import check_distinct
-
     _series(task)
     check_distinct(_recordings(task), "training, A and B are three recordings; give each once")
 
 
 @lru_cache(maxsize=2)
-def _recordings(task: Task) -> list[Any]:
-    from compensation.series.reading import check_tared, read_signals
-
+def _recordings(task: Task) -> list[Recording]:
     recordings = [read_signals(path, task.gauge_length_mm) for path in task.recordings]
     for recording in recordings:
         check_tared(recording, task.target)
@@ -70,20 +73,13 @@ def _recordings(task: Task) -> list[Any]:
 
 
 @lru_cache(maxsize=2)
-def _series(task: Task) -> list[Any]:
-    from compensation.memories.ema import PAPER_RATE_HZ
-    from compensation.series.preprocessing import series_of
-
-    recordings = _recordings(task)
-    return [series_of(recording, task.target, PAPER_RATE_HZ) for recording in recordings]
+def _series(task: Task) -> list[Series]:
+    return [series_of(recording, task.target, PAPER_RATE_HZ) for recording in _recordings(task)]
 
 
 @lru_cache(maxsize=8)
-def _arrays(task: Task, alphas: tuple[float, ...]) -> list[Any]:
+def _arrays(task: Task, alphas: tuple[float, ...]) -> list[tuple[FloatArray, FloatArray]]:
     """Features and standardised target of training, A and B."""
-    from compensation.training.options import Options
-    from compensation.training.untrained import training_arrays, untrained
-
     series = _series(task)
     blank = untrained(series[:1], task.target, Options(alphas=alphas, per_recording=task.per_recording))
     return [training_arrays(blank, [part]) for part in series]
@@ -100,17 +96,8 @@ def sweep(
 ) -> list[dict[str, Any]]:
     """Run every job that `results` does not hold yet; each is appended as soon as it is done.
 
-    Parameters
-    ----------
-    task : Task
-    jobs : sequence of (Candidate, seed)
-    results : path
-        JSON lines; a sweep that was killed goes on from here.
-    workers : int
-        Processes on this machine (backend ``loky``).
-    backend : {"loky", "dask"}
-    scheduler : str, optional
-        Address of a running Dask scheduler; without it, a local cluster is started.
+    `results` are JSON lines: a sweep that was killed goes on from there. `workers` processes run on this machine
+    (backend ``loky``), or on a Dask cluster: that of the `scheduler`, or a local one.
 
     Raises
     ------

@@ -88,14 +88,7 @@ def hidden_layers(bases: Sequence[int] = BASES) -> list[tuple[int, ...]]:
 
 
 def candidates(preset: str = "paper", bases: Sequence[int] = BASES) -> list[Candidate]:
-    """Every network behind every bank of a preset: 912 with the paper's bases.
-
-    Parameters
-    ----------
-    preset : {"paper", "fine"}
-    bases : sequence of int
-        Base sizes of the hidden layers.
-    """
+    """Every network, of these base sizes, behind every bank of a preset: 912 with the paper's."""
     return [Candidate(bank, sizes) for bank in PRESETS[preset] for sizes in hidden_layers(bases)]
 
 

@@ -48,13 +48,8 @@ class Series:
 def series_of(recording: Recording, target: str, rate_hz: float | None) -> Series:
     """Input and target of a recording that is learned from or scored.
 
-    Parameters
-    ----------
-    recording : Recording
-    target : {"force", "displacement"}
-    rate_hz : float or None
-        Resample by linear interpolation to this rate (the paper: 20 Hz); None keeps the samples as they are. Gaps
-        stay gaps: nobody has measured a straight line there.
+    It is resampled by linear interpolation to `rate_hz` (the paper: 20 Hz); None keeps the samples as they are. Gaps
+    stay gaps: nobody has measured a straight line there.
 
     Raises
     ------
@@ -78,13 +73,7 @@ def series_of(recording: Recording, target: str, rate_hz: float | None) -> Serie
 
 
 def reference_of(recording: Recording, target: str, rate_hz: float | None) -> Series:
-    """As `series_of`, of a short reference to recalibrate by: it may stand still, and be short.
-
-    Raises
-    ------
-    UserError
-        If a channel is missing, or the target is zero throughout, as it is read where the file has no such column.
-    """
+    """As `series_of`, of a reference to recalibrate by: it may be short and stand still, but not be zero."""
     channel = _present(recording, target)
     if not recording[channel].any():
         raise UserError(

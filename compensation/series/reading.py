@@ -18,22 +18,10 @@ TIMES_THE_RANGE = 1.0
 
 
 def read_signals(path: str | Path, gauge_length_mm: float | None = None) -> Recording:
-    """Read a recording of which only time, resistance and a target matter.
+    """Read a recording, a folder or a CSV, of which only time, resistance and a target matter.
 
     A bare CSV needs no gauge length, for neither force nor displacement is a strain. A CSV of time, resistance and
     force alone is taken as well; its displacement is then zero throughout, so that nothing can be learned of it.
-
-    Parameters
-    ----------
-    path : path
-        Campaign folder or CSV.
-    gauge_length_mm : float, optional
-        Of a bare CSV, where it is known.
-
-    Raises
-    ------
-    UserError
-        If the file is missing or malformed.
     """
     path = Path(path)
     if not path.is_file():
@@ -90,19 +78,8 @@ def without_reference(source: str, time_s: FloatArray, resistance_ohm: FloatArra
 def check_tared(recording: Recording, target: str, reach_N: float | None = None) -> None:
     """Refuse a force that was never zeroed: its smallest value is further off than its whole range.
 
-    Where the target is the displacement, nothing is read from the force, and it may be as it is.
-
-    Parameters
-    ----------
-    recording : Recording
-    target : {"force", "displacement"}
-    reach_N : float, optional
-        Of a reference, which may be short or stand still: how far from zero the training went, in place of its range.
-
-    Raises
-    ------
-    UserError
-        With the smallest force and the range.
+    Where the target is the displacement, nothing is read from the force, and it may be as it is. Of a reference,
+    which may be short or stand still, `reach_N` takes the place of its range: how far from zero the training went.
     """
     if target != "force" or not recording.has(FORCE):
         return

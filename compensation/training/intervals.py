@@ -1,11 +1,11 @@
 """The interval of a prediction on a recording to come, from errors on recordings or parts that were held out.
 
-Recordings of several specimens differ in the level and the width of their errors. So few of them do not know by how
-much: another one is thought to lie from their mean as Student's t says (the usual predictive distribution of a normal
-variable whose mean and variance are both estimated), and its errors to have the shape that theirs have together.
+Recordings of several specimens differ in the level and the width of their errors, and a few of them tell poorly by
+how much. So level and width of the next one are drawn from Student's t (the usual predictive distribution of a normal
+variable whose mean and variance are both estimated), and its errors have the shape that theirs have together.
 
-A single recording says nothing of that. How far gain and zero of reading and target wander between days and specimens
-is known from others, though: recalibration has it as its prior, and the interval draws from the same.
+A single recording says nothing of that. How far gain and zero wander between days and specimens is known from other
+sensors, though: it is the prior of a recalibration, and the interval draws from the same.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compensation.engines.engine import engine
-from compensation.engines.network import Network, mean_output
+from compensation.engines.network import Network, alive, mean_output
 from compensation.memories.history import NO_HISTORY, QUICK_SETTLE_S, History
 from compensation.series import score
 from compensation.series.preprocessing import Series
@@ -49,14 +49,14 @@ STARTS = 5
 
 @dataclass(frozen=True)
 class Learned:
-    """A fitted method: networks on features as they come, and the settings that were chosen within."""
+    """A fitted method: networks on standardised features, and the settings that it chose."""
 
     networks: tuple[Network, ...]
     settings: Mapping[str, Any]
 
 
 class Learner:
-    """One rival on one set of recordings, and all that it knows is from these.
+    """One method on one set of recordings, which are all that it learns from.
 
     Features of the same memories are taken from `like`, another one on the same recordings, and not made again.
     """
@@ -100,7 +100,7 @@ class Line(Learner):
 
 
 class Ridge(Learner):
-    """Linear in bank, motion and play; the penalty from cross-validation within the recordings."""
+    """Ridge regression on bank, motion and play; its penalty is cross-validated within the recordings."""
 
     name, options = "ridge", Options(factor=FACTOR, count=COUNT, history=WHOLE, sizes=())
 
@@ -148,10 +148,8 @@ class Networks(Learner):
             self._one(everything, history, l2, self.options.seed + number, NETWORK_SIZES[number % len(NETWORK_SIZES)])
             for number in range(ENSEMBLE_OF_TWO_SIZES)
         )
-        live = tuple(one for one in networks if not one.is_dead(self.features)) or networks[:1]
-        return Learned(
-            live, {"l2": l2, "restarts": ENSEMBLE_OF_TWO_SIZES, "memories": history.count, "members": NETWORK_SIZES}
-        )
+        settings = {"l2": l2, "restarts": len(networks), "memories": history.count, "members": NETWORK_SIZES}
+        return Learned(alive(networks, self.features), settings)
 
     def _chosen(self) -> tuple[History, float]:
         """Choose the memories at a medium L2 penalty, then the penalty."""

@@ -1,4 +1,4 @@
-"""What the tuned compensator's networks learn from, and how one of them is trained.
+"""What the networks of `auto`, `tuned` and the twin learn from, and how one of them is trained.
 
 The state of a knit is never the same twice: beside the recording as it is, there are versions of it with the
 conductance shifted a little up and down, so that a network learns from changes rather than from absolute values.

@@ -5,7 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from compensation.engines.engine import DEFAULT_L2
-from compensation.memories.ema import PAPER_COUNT, PAPER_FACTOR, PAPER_RATE_HZ, given_factors, smoothing_factors
+from compensation.memories.ema import (
+    PAPER_COUNT,
+    PAPER_FACTOR,
+    PAPER_RATE_HZ,
+    given_factors,
+    slowest_memory_s,
+    smoothing_factors,
+)
 from compensation.memories.history import NO_HISTORY, History
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
@@ -54,3 +61,8 @@ class Options:
     def bank(self) -> FloatArray:
         """The smoothing factors: those set by hand, or calculated from factor and count."""
         return smoothing_factors(self.factor, self.count) if self.alphas is None else given_factors(self.alphas)
+
+    @property
+    def slowest_s(self) -> float:
+        """Time constant (s) of the bank's slowest filter."""
+        return slowest_memory_s(self.bank, self.rate_hz)

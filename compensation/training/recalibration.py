@@ -33,6 +33,8 @@ MOST_AT_REST = 0.5
 STILL = 0.1
 # Standard deviations from its mean that a training hardly ever leaves.
 FARTHEST = 4.0
+# Of the samples of a reference: more of them farther than that are no faulty readings.
+MOST_FAR = 0.5
 
 
 @dataclass(frozen=True)
@@ -58,19 +60,13 @@ class Correction:
 
 
 def recalibrated(compensator: TrainedCompensator, part: Series) -> TrainedCompensator:
-    """The compensator, corrected by a short recording with a reference.
-
-    Parameters
-    ----------
-    compensator : TrainedCompensator
-    part : Series
-        Half a minute to a minute: motion, or rest at a known value (without load: zero).
+    """The compensator, corrected by a reference: half a minute to a minute of motion, or of rest at a known value.
 
     Raises
     ------
     UserError
-        If less than 5 s were recorded; if the target stands still while the sensor moves; or if the compensator
-        standardises each recording by itself.
+        If less than 5 s were recorded; if most of the target is out of the training's reach; if it stands still while
+        the sensor moves; or if the compensator standardises each recording by itself.
     """
     if compensator.per_recording:
         raise UserError("a compensator trained with --per-recording knows no level that could be corrected")
@@ -80,6 +76,7 @@ def recalibrated(compensator: TrainedCompensator, part: Series) -> TrainedCompen
             f"{part.source}: {duration_s:.1f} s of reference; a recalibration needs at least {LEAST_S:g} s, "
             "and is worth more with 30 to 60 s"
         )
+    part, left_out = _without_outliers(compensator, part)
     _check_of_this_sensor(compensator, part)
     found = correction(compensator, part)
     before, after = (_rms(one, part) for one in (compensator, found.of(compensator)))
@@ -88,6 +85,7 @@ def recalibrated(compensator: TrainedCompensator, part: Series) -> TrainedCompen
         "digest": part.reading_digest,
         "length": len(part),
         "seconds": duration_s,
+        "left_out": left_out,
         "rms_before": before,
         "rms_after": after,
         **vars(found),
@@ -101,10 +99,11 @@ def correction(compensator: TrainedCompensator, part: Series) -> Correction:
     from scipy.optimize import least_squares
 
     running = compensator.in_use
-    recorded_s, reference = recorded_time_s(part.time_s), _within_reach(compensator, part.truth)
+    recorded_s, reference = recorded_time_s(part.time_s), _explainable(compensator, part.truth)
     late = recorded_s >= WARM_S
     # Weights that make as many errors as there are count as independent ones.
     weight = np.sqrt(recorded_s[-1] / APART_S / late.sum()) / (ERROR * compensator.scaling_out.scale)
+    late &= np.isfinite(reference)
 
     def residual(numbers: FloatArray) -> FloatArray:
         error = _moved(numbers).of(running).predict_series(part) - reference
@@ -114,14 +113,7 @@ def correction(compensator: TrainedCompensator, part: Series) -> Correction:
 
 
 def end_of_first(seconds: float, time_s: FloatArray) -> float:
-    """When the first seconds are over: with the sample after them, for so long lies between samples then.
-
-    Parameters
-    ----------
-    seconds : float
-    time_s : ndarray, shape (n,)
-        A gap in which they end is no part of them.
-    """
+    """When the first seconds of the times (n,) are over: with the sample after them, unless they end in a gap."""
     end_s = float(time_s.min()) + seconds
     if any(start_s <= end_s < stop_s for start_s, stop_s in gaps_in(np.sort(time_s))):
         return end_s
@@ -172,7 +164,7 @@ def one_sigma_changes(compensator: TrainedCompensator, series: Sequence[Series])
     return np.stack([prediction(_moved(off).of(compensator)) - as_it_is for off in np.eye(len(SPREADS))])
 
 
-def _within_reach(compensator: TrainedCompensator, truth: FloatArray) -> FloatArray:
+def _explainable(compensator: TrainedCompensator, truth: FloatArray) -> FloatArray:
     """What the compensator would predict of this reference if its gains and zeros were right.
 
     One that explains a share r2 of the variance falls short by 1 - r2 of the way from the mean. Where the reference
@@ -184,19 +176,35 @@ def _within_reach(compensator: TrainedCompensator, truth: FloatArray) -> FloatAr
     return mean + float(np.clip(promise["r2"], 0.0, 1.0)) * (truth - mean)
 
 
+def _without_outliers(compensator: TrainedCompensator, part: Series) -> tuple[Series, int]:
+    """The reference, its target NaN where it is out of the training's reach, and how often that is.
+
+    No correction makes a network predict what it has never seen: one reading of 1e5 N would outweigh all others.
+    """
+    most, unit = reach(compensator), compensator.unit
+    far = np.abs(part.truth) > most
+    if far.mean() > MOST_FAR:
+        raise UserError(
+            f"{part.source}: {far.mean():.0%} of the reference lies beyond {most:.3g} {unit}, as far as the training "
+            f"went; check that the {compensator.target} is in {unit}, and of a sensor as in the training"
+        )
+    return replace(part, truth=np.where(far, np.nan, part.truth)), int(far.sum())
+
+
 def _check_of_this_sensor(compensator: TrainedCompensator, part: Series) -> None:
     """Refuse a reference that stands still, as of a cell that is not connected, beside a sensor that moves."""
     spread = _spread(compensator, part.conductance_S)
     if _still(compensator, part.truth) and spread > MOST_AT_REST:
         raise UserError(
-            f"{part.source}: the {compensator.target} stands still at {np.mean(part.truth):.3g} {compensator.unit} "
-            f"while the conductance spreads {spread:.2f} times as far as in the training, so it is no reference of "
-            f"this sensor (at rest it spreads {MOST_AT_REST:g} times as far at most); check that it was recorded"
+            f"{part.source}: the {compensator.target} stands still at {np.nanmean(part.truth):.3g} "
+            f"{compensator.unit} while the conductance spreads {spread:.2f} times as far as in the training, so it "
+            f"is no reference of this sensor (at rest it spreads {MOST_AT_REST:g} times as far at most); check that "
+            "it was recorded"
         )
 
 
 def _still(compensator: TrainedCompensator, truth: FloatArray) -> bool:
-    return bool(np.std(truth) <= STILL * compensator.scaling_out.scale)
+    return bool(np.nanstd(truth) <= STILL * compensator.scaling_out.scale)
 
 
 def _spread(compensator: TrainedCompensator, conductance_S: FloatArray) -> float:
@@ -212,4 +220,4 @@ def _moved(numbers: FloatArray) -> Correction:
 
 def _rms(compensator: TrainedCompensator, part: Series) -> float:
     error = compensator.in_use.predict_series(part) - part.truth
-    return float(np.sqrt(np.mean(error**2)))
+    return float(np.sqrt(np.nanmean(error**2)))

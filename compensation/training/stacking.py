@@ -1,8 +1,4 @@
-"""The stack of `compensation.training.auto`: methods that predict together, each with a weight.
-
-The weights are those that fit the predictions of what was held out best (stacked regression; Breiman, Machine
-Learning 24 (1996) 49), none of them negative, together 1.
-"""
+"""The stack of `compensation.training.auto`: methods that predict together, each with a weight (stacking)."""
 
 from __future__ import annotations
 

@@ -28,19 +28,7 @@ def train(
     progress: Callable[[str], None] = lambda note: None,
     method: str = "paper",
 ) -> TrainedCompensator:
-    """Train a compensator; scalers and networks see these recordings only.
-
-    Parameters
-    ----------
-    recordings : sequence of Recording
-        Each starts with a fresh smoothing bank: no history leaks over a boundary.
-    target : {"force", "displacement"}
-    options : Options, optional
-    progress : callable
-        Told about each step of the method.
-    method : {"auto", "paper", "tuned"}
-        One of `METHODS`.
-    """
+    """Train a compensator by one of `METHODS` on recordings, each of which starts with fresh memories."""
     options = options or Options()
     series = [series_of(recording, target, options.resampling_hz) for recording in recordings]
     return METHODS[method](series, target, options, progress)
@@ -77,4 +65,4 @@ METHODS = {"auto": auto.train_automatically, "paper": train_on_series, "tuned": 
 
 def steps(method: str, series: Sequence[Series], options: Options) -> int:
     """How often a method reports progress on these series; the paper's more often where all starts are dead."""
-    return {"auto": auto.steps(series), "paper": options.restarts, "tuned": tuning.steps()}[method]
+    return {"auto": auto.steps(series), "paper": options.restarts, "tuned": tuning.steps(series, options)}[method]

@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from compensation.engines.network import mean_output
+from compensation.engines.network import alive, mean_output
 from compensation.memories.history import NO_HISTORY, History
 from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import ready_for_use
@@ -32,6 +32,7 @@ from compensation.training.lessons import Lessons, lessons
 from compensation.training.options import Options
 from compensation.training.untrained import describe, training_arrays, untrained
 from gcode.support.arrays import FloatArray
+from testbench.recordings.recording import recorded_duration_s
 
 MOTION_TAUS_S, PLAY_RADII = (0.5, 2.0, 8.0, 32.0), (0.2, 0.5, 1.0)
 HISTORIES = (NO_HISTORY, History((), PLAY_RADII), History(MOTION_TAUS_S), History(MOTION_TAUS_S, PLAY_RADII))
@@ -98,8 +99,7 @@ def choose(
         tried.extend(found)
         return found
 
-    start = replace(options, sizes=SIZES[0], l2=START_L2, history=NO_HISTORY)
-    bank = first_unless_better(judged([replace(start, factor=a, count=n) for a, n in BANKS])).options
+    bank = first_unless_better(judged(banks(series, options))).options
     penalised = [[replace(bank, history=history, l2=l2) for l2 in PENALTIES] for history in HISTORIES]
     members = not_worse([_smallest(judged(candidates)) for candidates in penalised])
     others = judged([replace(members[0].options, sizes=size) for size in SIZES[1:]])
@@ -108,9 +108,17 @@ def choose(
     return Decision(resized, tuple(tried))
 
 
-def steps() -> int:
+def banks(series: Sequence[Series], options: Options) -> list[Options]:
+    """The first choice and those whose slowest filter remembers no more than the longest recording."""
+    longest_s = max(recorded_duration_s(part.time_s) for part in series)
+    start = replace(options, sizes=SIZES[0], l2=START_L2, history=NO_HISTORY)
+    first, *others = [replace(start, factor=a, count=n) for a, n in BANKS]
+    return [first, *(other for other in others if other.slowest_s <= longest_s)]
+
+
+def steps(series: Sequence[Series], options: Options) -> int:
     """How often `tune` reports progress."""
-    return len(BANKS) + len(HISTORIES) * len(PENALTIES) + len(SIZES) - 1 + ENSEMBLE
+    return len(banks(series, options)) + len(HISTORIES) * len(PENALTIES) + len(SIZES) - 1 + ENSEMBLE
 
 
 def first_unless_better(choices: Sequence[Choice]) -> Choice:
@@ -178,7 +186,7 @@ def ensemble(
         counts = [len(blank.alphas), len(whole.motion_taus_s), len(whole.play_radii)]
         networks.append(learned.fit_on_all(options, seed + number).reading(np.repeat(known, counts)))
         progress(f"network {seed + number}")
-    live = [network for network in networks if not network.is_dead(features)] or networks
+    live = alive(networks, features)
     recipe = describe(series, best.options, networks, features) | {
         "method": "tuned",
         "engine": "fast",
@@ -189,7 +197,7 @@ def ensemble(
         "members": [_summary(choice) for choice in decision.members],
         "cross_validation": [_summary(choice) for choice in decision.tried],
     }
-    return ready_for_use(replace(blank, networks=tuple(live), recipe=recipe), series)
+    return ready_for_use(replace(blank, networks=live, recipe=recipe), series)
 
 
 def _union(histories: Sequence[History]) -> History:

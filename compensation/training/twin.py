@@ -1,17 +1,21 @@
 """The twin method: learn on campaigns simulated from the fitted knit model, and on the short measurement itself.
 
 Two minutes of measurement do not show the drift of twenty. A knit model fitted on those two minutes does, as far as
-it is right. The networks are of the tuned kind (`compensation.training.lessons`: memories of motion and play, strong
-L2, shifted states), and the measurement is part of every lesson, repeated until it weighs `SHARE`: finishing on it
-afterwards would teach the networks to forget the drift.
+it is right. Nor do they tell every parameter: networks that learn from several models, which explain them about as
+well, learn what these have in common. The networks are of the tuned kind (`compensation.training.lessons`: memories
+of motion and play, strong L2, shifted states), and the measurement is part of every lesson, repeated until it weighs
+`SHARE`: finishing on it afterwards would teach the networks to forget the drift.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
-from compensation.engines.network import mean_output
+import numpy as np
+
+from compensation.engines.network import alive, mean_output
 from compensation.memories.history import History
 from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import ready_for_use
@@ -20,10 +24,14 @@ from compensation.series.score import r2
 from compensation.training.lessons import lessons
 from compensation.training.options import Options
 from compensation.training.tuning import MOTION_TAUS_S, PLAY_RADII
-from compensation.training.twin_models import plausible
 from compensation.training.untrained import describe, training_arrays
 from gcode.support.errors import UserError
+from testbench.fitting.fit import Fit, fit
+from testbench.knit.catalogue import load_catalogue
 from testbench.knit.model import KnitModel
+from testbench.measurements.coarser import coarser
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.preparing import prepare
 from testbench.recordings.recording import Recording
 
 FIRST_SEED = 901
@@ -31,6 +39,17 @@ NETWORKS, SIZES, L2 = 8, (8,), 0.3
 HISTORY = History(MOTION_TAUS_S, PLAY_RADII)
 # Of the lessons, as much as the measurement makes up.
 SHARE = 0.3
+# Effects that remember, weak at first: a fit makes of them what the measurement asks for. In the order of the chain.
+MEMORIES: dict[str, dict[str, Any]] = {
+    "permanent_set_recovering": {"fraction": 0.02},
+    "stress_relaxation": {"fraction": 0.05},
+    "contact_relaxation": {"fraction": 0.05},
+    "contact_hysteresis": {"friction_N": 0.02},
+    "electrical_overshoot": {"gain": 0.05},
+    "electrical_overshoot_magnitude": {"gain": 0.05},
+}
+FIT_RATE_HZ = 10.0
+DRAWS, OTHERS = 6, 2
 
 
 def simulated(
@@ -87,9 +106,10 @@ def train_from_twin(
     options : Options, optional
         Seed and sampling; sizes, history and penalty are the twin's own.
     progress : callable
-        Told about the fit and each network: `steps` times.
+        Told `steps` times: of the fit and each network.
     """
     options = replace(options or Options(), sizes=SIZES, l2=L2, history=HISTORY)
+    options.check_for_use("--twin")
     measured = series_of(recording, target, options.resampling_hz)
     models = plausible(model, recording)
     progress("fitted the model")
@@ -122,7 +142,7 @@ def learned(
         networks.append(learning.fit_on_all(options, seed))
         progress(f"network {seed}")
     features, truth = training_arrays(learning.blank, [measured])
-    live = tuple(network for network in networks if not network.is_dead(features)) or tuple(networks[:1])
+    live = alive(networks, features)
     recipe = describe([measured], options, networks, features) | {
         "method": "twin",
         "engine": "fast",
@@ -132,3 +152,41 @@ def learned(
         "training_r2": r2(truth, mean_output(live, features)),
     }
     return ready_for_use(replace(learning.blank, networks=live, recipe=recipe), series)
+
+
+def with_memories(model: KnitModel) -> KnitModel:
+    """The model with every effect of `MEMORIES` that it lacks and whose signals it has."""
+    effects = load_catalogue().effects
+    known = {"strain"}.union(*(effect.reads + effect.writes for effect in model.effects.values()))
+    present = {effect.mechanism for effect in model.effects.values()}
+    for name, start in MEMORIES.items():
+        memory = effects[name](**start)
+        if memory.mechanism not in present and known.issuperset(memory.reads + memory.writes):
+            model = model.plus(memory)
+    return model
+
+
+def plausible(model: KnitModel, recording: Recording) -> tuple[KnitModel, ...]:
+    """Models that explain a short measurement: one fitted `with_memories`, then the best of a few draws about it."""
+    measurement = coarser(prepare(recording), FIT_RATE_HZ)
+    best = fit(with_memories(model), measurement)
+    # The posterior is a Gaussian only near its top: of the draws, those that still explain the measurement are kept.
+    others = sorted(draws(best, DRAWS, seed=0), key=lambda one: _misfit(one, measurement, best))
+    return (best.model, *others[:OTHERS])
+
+
+def draws(best: Fit, count: int, seed: int) -> list[KnitModel]:
+    """Models drawn from the fit's posterior, within the bounds."""
+    rng = np.random.default_rng(seed)
+    values, vectors = np.linalg.eigh(best.covariance)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    moved = (best.vector + root @ rng.standard_normal(len(best.vector)) for _ in range(count))
+    return [best.parameters.model_at(best.model, vector) for vector in moved]
+
+
+def _misfit(model: KnitModel, measurement: Measurement, best: Fit) -> float:
+    """Mean square residual in units of the best fit's; infinite where the model gives no numbers."""
+    residuals: Sequence = list(measurement.residual(model).items())
+    squares = [np.mean((values[measurement.counts] / best.scale[channel]) ** 2) for channel, values in residuals]
+    total = float(np.sum(squares))
+    return total if np.isfinite(total) else np.inf

@@ -13,7 +13,7 @@ EXAMPLE = "testbench dataset knits.toml -o knits"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     from testbench.trust import EFFECTS_HELP
 
-    parser.add_argument("spec", metavar="SPEC.toml", help="sensors, programs and seeds; see docs/recording.md")
+    parser.add_argument("spec", metavar="SPEC.toml", help="sensors, programs and seeds; see docs/datasets.md")
     parser.add_argument("-o", "--output", dest="out", required=True, metavar="DIR", help="folder for the campaigns")
     parser.add_argument(
         "--backend", choices=["loky", "dask"], default="loky", help="processes here, or a Dask cluster"

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from testbench.comparing.model_errors import channel_name, rms_errors
-from testbench.fitting.evidence.telling import independent_share
+from testbench.fitting.evidence.independent_samples import independent_share
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.responses import FORCE_CHANNEL, UNIT_OF

@@ -9,7 +9,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from gcode.support.read_only import Unchanging
-from testbench.fitting.evidence.telling import independent_share
+from testbench.fitting.evidence.independent_samples import independent_share
 from testbench.fitting.parameters import free_parameters, shape_scales
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache

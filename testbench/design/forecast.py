@@ -14,8 +14,8 @@ import numpy as np
 from gcode.support.errors import UserError
 from testbench.design.information import Prediction
 from testbench.fitting.evidence.evidence import scaled
+from testbench.fitting.evidence.independent_samples import in_last_fit, news_of
 from testbench.fitting.evidence.priors import priors_of
-from testbench.fitting.evidence.telling import in_last_fit, news_of
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray

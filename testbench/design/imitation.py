@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from testbench.fitting import constants
+from testbench.fitting.evidence.independent_samples import news_of
 from testbench.fitting.evidence.laplace import fitted
 from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.fitting.evidence.sample_noise import known_noise
-from testbench.fitting.evidence.telling import news_of
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement

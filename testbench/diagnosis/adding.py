@@ -11,9 +11,9 @@ from testbench.comparing.ladder import drawn_to_data, fitted_file
 from testbench.diagnosis.searching.candidates import candidate_mechanisms, is_vector
 from testbench.diagnosis.searching.proposals import Screen, laws_of
 from testbench.fitting.baseline import framed
+from testbench.fitting.evidence.independent_samples import on_the_grid
 from testbench.fitting.evidence.laplace import fitted
 from testbench.fitting.evidence.sample_noise import likelihood_of, noise_of
-from testbench.fitting.evidence.telling import on_the_grid
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel

@@ -91,7 +91,7 @@ def _before(given: ModelFile | None, search: Search, calibration: Measurement, h
 
 
 def _found(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Found:
-    """The first of the effects that were put in, of which each of the rounds has one."""
+    """The first of the effects that were put in, of which each round has one."""
     step, entry = rounds[0], put_in[0]
     chance = step.doubted(whole_of(rounds, put_in))[entry.mechanism]
     return Found(entry.mechanism, entry.law, chance, step.added(entry))

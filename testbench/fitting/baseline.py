@@ -89,7 +89,7 @@ def without_zeros(model: KnitModel) -> KnitModel:
 
 
 def laws_that_may_act(model: KnitModel, measurement: Measurement, catalogue: Catalogue) -> list[Effect]:
-    """Laws of a base that only some recordings need: the model has none at their stage, and the data a start."""
+    """Base laws that only some recordings need: the model has none at their stage, and the data give them a start."""
     if FORCE_CHANNEL not in measurement.measured:
         return []
     signals = {"strain": measurement.signals["strain"], "force_N": measurement.measured[FORCE_CHANNEL]}

@@ -1,10 +1,10 @@
 """The numbers of the diagnosis that nothing else determines, each with its reason.
 
-The first part is believed of sensors, the second is what a search may spend.
+First what is assumed of sensors and their laws, then how much work a search may do.
 """
 
-# What is believed
-ALIKE_S = 1.6  # for so long what a model leaves repeats itself: samples closer than that share one piece of news
+# What is assumed
+ALIKE_S = 1.6  # residuals of a model resemble each other for so long: closer samples count as one
 INDEPENDENT = 120  # pieces of a recording whose errors of a law are independent, about two a stroke
 IN_LAST_FIT = 240  # pieces at most in the last fit of a model: parameters are known better than which model is right
 LEAST_MISFIT = 1.25  # noise floors: no law of a catalogue is nearer to a sensor, and instruments have slow noise, too
@@ -18,7 +18,7 @@ PRIOR_UNKNOWN = 0.25  # before seeing data, that what is missing, if anything is
 EVIDENCE_ERROR = 2.0  # nats, standard deviation: of an integral by its peak, and of where a fit ends
 MISLED = 0.15  # share of sensors, of kinds not simulated here, for which evidence that seemed sure was wrong
 
-# What is spent
+# How much work
 GRID_HZ = 12.5  # grid of the comparison: quicker than the motion, slower than most samplings
 GRID_POINTS = 15_000  # at most on that grid: coarser for recordings of more than 20 min, whose turns it keeps
 FINER = 4  # times as many grid points for the last fits of the models that were chosen

@@ -11,9 +11,9 @@ import numpy as np
 from gcode.support.errors import UserError
 from testbench.fitting import constants
 from testbench.fitting.evidence.hypothesis import Hypothesis
+from testbench.fitting.evidence.independent_samples import telling
 from testbench.fitting.evidence.laplace import fitted
 from testbench.fitting.evidence.sample_noise import likelihood_of, noise_of
-from testbench.fitting.evidence.telling import telling
 from testbench.fitting.parameters import FreeParameters
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel

@@ -8,7 +8,7 @@ from itertools import groupby
 import numpy as np
 
 from testbench.fitting.parameters import FreeParameter, value_of
-from testbench.fitting.passed_on import Chain, change_of
+from testbench.fitting.propagation import Chain, change_of
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel

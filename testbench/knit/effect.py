@@ -324,7 +324,7 @@ def is_ours(effect: Effect) -> bool:
 
 @contextmanager
 def watched(effect: Effect, what: str) -> Iterator[None]:
-    """Tell in a sentence, which begins with `what`, whatever somebody's effect raises."""
+    """Whatever a user's effect raises becomes one sentence that begins with `what`."""
     try:
         yield
     except KeyboardInterrupt:

@@ -50,7 +50,7 @@ def kinetics(gain_per_s: FloatArray, loss_per_s: FloatArray, dt_s: float) -> Flo
 
 @njit("float64[:](float64[:], float64[:], float64)", cache=True, nogil=True)
 def gathered(gain: FloatArray, loss_per_s: FloatArray, dt_s: float) -> FloatArray:
-    """What gathers and goes, ``dn/dt = gain - loss n``, without a limit; nothing at the start.
+    """A store that fills and empties, ``dn/dt = gain - loss n``, without a limit; empty at the start.
 
     Exact for rates that stand still at their mean over each step.
     """
@@ -100,9 +100,9 @@ def relay(x: FloatArray, on_above: float, off_below: float) -> FloatArray:
 
 @njit("float64[:](float64[:], float64)", cache=True, nogil=True)
 def held(x: FloatArray, width: float) -> FloatArray:
-    """The last value that was shown, until `x` is farther from it than `width` (a dead band).
+    """A reading with a dead band: it stays until `x` is farther from it than `width`.
 
-    What is shown anew is `x` at that very moment, between the samples.
+    Its new value is `x` at that very moment, between the samples.
     """
     out = np.empty_like(x)
     shown = x[0]
@@ -154,7 +154,7 @@ def upper_turn(x: FloatArray, back: float) -> FloatArray:
 
 
 def swung(x: FloatArray, back: float) -> FloatArray:
-    """Summed size of the swings of `x` that are over: a swing is, once `x` has come back by `back`."""
+    """Summed size of the completed swings of `x`: one is complete once `x` has come back by `back`."""
     return np.cumsum(np.abs(np.diff(x[last_turn(x, back)], prepend=x[0])))
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from testbench.diagnosis.judging.comparison import excess
-from testbench.diagnosis.judging.order import best_first, evidence_of, first_of_each
+from testbench.diagnosis.judging.ranking import best_first, evidence_of, first_of_each
 from testbench.diagnosis.searching.search import Search
 from testbench.fitting.baseline import without_shapes
 from testbench.fitting.evidence.hypothesis import Hypothesis

@@ -85,7 +85,7 @@ def dataset(
     Parameters
     ----------
     spec : path
-        Sensors, programs and seeds; its entries are documented in docs/recording.md.
+        Sensors, programs and seeds; its entries are documented in docs/datasets.md.
     folder : path
         Of the data set; made if it is not there.
     format : {"csv", "parquet"}

@@ -36,7 +36,7 @@ def prior_of(mechanisms: Collection[str]) -> dict[str, float]:
 
 
 def over_errors(evidences: Evidences) -> dict[str, float]:
-    """Probabilities, in the mean over the errors of the evidences: what is a few nats apart is nearly a tie.
+    """Probabilities averaged over the errors of the evidences: hypotheses a few nats apart are nearly tied.
 
     Each source draws errors of its own, the same in whatever order they come. What a model with some law predicts is
     wrong alike for all hypotheses that it speaks for: that this law is missing, and that something like it is.

@@ -28,7 +28,7 @@ def whole_of(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Whole | None:
 def leading(put_in: Sequence[Entry]) -> int:
     """Which of several effects the model misses most without it: the first to be found need not be it.
 
-    Nothing stands in for it: beside a free-form map of what is left, no effect is missed much.
+    Judged without a free-form map of what is left, beside which no effect is missed much.
     """
     without = [e.without.hypothesis.log_z for e in put_in if e.without]
     return int(np.argmin(without)) if without else 0

@@ -7,8 +7,8 @@ from functools import cached_property
 from typing import Literal
 
 from testbench.diagnosis.judging.entries import Entry, Whole
-from testbench.diagnosis.judging.order import best_first, first_of_each
 from testbench.diagnosis.judging.probabilities import NOTHING, UNKNOWN
+from testbench.diagnosis.judging.ranking import best_first, first_of_each
 from testbench.diagnosis.judging.weighing import EITHER, Weighing
 from testbench.fitting import constants
 

@@ -1,4 +1,4 @@
-"""Models of one measurement, each fitted as models are compared."""
+"""Fits models to one measurement, all on the grid and with the noise with which they are compared."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from functools import cached_property
 
 from testbench.comparing.ladder import drawn_to_data
 from testbench.comparing.model_errors import log_error
-from testbench.diagnosis.judging.order import evidence_of
+from testbench.diagnosis.judging.ranking import evidence_of
 from testbench.diagnosis.searching.side_by_side import SideBySide
 from testbench.fitting import constants
 from testbench.fitting.baseline import (
@@ -21,11 +21,11 @@ from testbench.fitting.baseline import (
 )
 from testbench.fitting.evidence.coloured_noise import with_colour
 from testbench.fitting.evidence.hypothesis import Hypothesis
+from testbench.fitting.evidence.independent_samples import on_the_grid, telling
 from testbench.fitting.evidence.jitter import jitter_of
 from testbench.fitting.evidence.laplace import fitted
 from testbench.fitting.evidence.likelihood import Likelihood, law_error_of
 from testbench.fitting.evidence.sample_noise import likelihood_of, noise_of
-from testbench.fitting.evidence.telling import on_the_grid, telling
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel

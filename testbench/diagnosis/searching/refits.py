@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from testbench.diagnosis.judging.entries import Entry, Proposal
-from testbench.diagnosis.judging.order import best_first, evidence_of, first_of_each
+from testbench.diagnosis.judging.ranking import best_first, evidence_of, first_of_each
 from testbench.diagnosis.searching.candidates import can_act, is_vector
 from testbench.diagnosis.searching.fits import Fits, law_names, like_another, newest
 from testbench.diagnosis.searching.rivals import rivals_of

@@ -1,4 +1,4 @@
-"""Laws that could do what another law does."""
+"""Finds the rivals of a law: laws of other mechanisms that could explain what it explains."""
 
 from __future__ import annotations
 

@@ -13,8 +13,8 @@ from threadpoolctl import threadpool_limits
 from testbench.diagnosis.judging.comparison import explained
 from testbench.diagnosis.judging.discrepancy_map import log_z_with_map
 from testbench.diagnosis.judging.entries import Entry, Proposal
-from testbench.diagnosis.judging.order import best_first, evidence_of, first_of_each
 from testbench.diagnosis.judging.put_in import best_set, log_posterior_of, whole_of
+from testbench.diagnosis.judging.ranking import best_first, evidence_of, first_of_each
 from testbench.diagnosis.judging.rounds import Round
 from testbench.diagnosis.searching.fits import Fits, Progress, law_names, newest
 from testbench.diagnosis.searching.proposals import Law, Screen, laws_of

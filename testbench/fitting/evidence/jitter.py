@@ -1,4 +1,4 @@
-"""By how much noisier a reading is the faster it moves, for nobody knows its age exactly."""
+"""Jitter of the age of readings: nobody knows it exactly, so a reading is the noisier the faster the motion."""
 
 from __future__ import annotations
 

@@ -11,11 +11,11 @@ from threadpoolctl import threadpool_limits
 
 from testbench.fitting import constants
 from testbench.fitting.downhill import UP, downhill, within
+from testbench.fitting.evidence.cost_scan import costs_along, lower_beside, width, with_widths
 from testbench.fitting.evidence.evidence import LogEvidence, NormalEquations, maximised, scaled, switched_on
 from testbench.fitting.evidence.hypothesis import Hypothesis, laws_still, pinned, rms, tail
 from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.fitting.evidence.linearised import Linearised
-from testbench.fitting.evidence.moved import costs_along, lower_beside, width, with_widths
 from testbench.fitting.evidence.priors import Priors, priors_of
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel

@@ -14,8 +14,8 @@ from statistics import harmonic_mean
 import numpy as np
 
 from testbench.fitting import constants
+from testbench.fitting.evidence.independent_samples import in_last_fit, news_of
 from testbench.fitting.evidence.likelihood import Likelihood
-from testbench.fitting.evidence.telling import in_last_fit, news_of
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement, channel_of, sampled

@@ -1,5 +1,4 @@
-"""Networks of contacts that motion breaks and rest heals: the conductance shifts with the distance moved, and
-comes back."""
+"""Contacts that any motion breaks and rest heals: the conductance shifts with the distance moved, and comes back."""
 
 from __future__ import annotations
 

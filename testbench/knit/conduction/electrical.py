@@ -1,4 +1,4 @@
-"""What happens to the conductance after the contacts made it."""
+"""Changes of the conductance after the contacts: drift, wear and cracks of the coating, a memory of the direction."""
 
 from __future__ import annotations
 

@@ -58,6 +58,8 @@ def test_groups_begin_anew(rows):
     assert np.abs(whole - model.predict(X)).max() > 0.01
     with pytest.raises(ValueError, match="one label a row"):
         model.predict(X, groups=labels[:5])
+    nameless = np.where(labels == "T", np.nan, 1.0)  # rows without a label are one recording
+    np.testing.assert_array_equal(model.predict(X, groups=nameless)[labels == "T"], whole[labels == "T"])
 
 
 def test_interleaved_groups_are_the_same_recordings(rows):
@@ -90,6 +92,23 @@ def test_what_is_too_short_is_so_in_seconds(rows, rate_hz, count):
         model.fit(X[:count], y[:count])
     with pytest.raises(ValueError, match=r"rows are .* it has no stream, no file and no export"):
         model.stream()
+
+
+@pytest.mark.parametrize("factor", [1e-200, 1e200])
+def test_units_whose_squares_no_float_holds_are_refused(rows, factor):
+    X, y, _ = rows
+    for name, wrong in (("X", (factor * X, y)), ("y", (X, factor * y))):
+        with pytest.raises(ValueError, match=rf"{name} is as large as .*e.\d+, and 1e-100 to 1e.100 can be squared"):
+            Compensator(method="ridge").fit(*wrong)
+
+
+def test_a_slow_logger_learns_the_same(rows):
+    """A sample an hour: memories last as many samples as at 1 Hz, and the stream takes every one."""
+    X, y, labels = rows
+    slow, quick = (Compensator(method="paper", rate_hz=rate_hz).fit(X, y, groups=labels) for rate_hz in (1 / 3600, 1))
+    np.testing.assert_allclose(slow.predict(X, labels), quick.predict(X, labels), atol=1e-6)
+    own, stream = X[labels == "A"], slow.stream()
+    np.testing.assert_allclose([stream.update(value) for value in own[:, 0]], slow.predict(own), atol=1e-9)
 
 
 @pytest.mark.parametrize("method", ["paper", "auto"])
@@ -130,8 +149,11 @@ def test_another_method_leaves_nothing_of_the_one_before(rows):
     ("parameters", "match"),
     [
         *(
-            ({"rate_hz": value}, f"rate_hz must be a number from 1e-06 to 1e.06, got {value}")
-            for value in (0, -20.0, float("nan"), 1e7, None, True)
+            (
+                {"rate_hz": value},
+                rf"rate_hz must be a number from 0.000278 \(.*\) to 1.05e.06, got {value}",
+            )
+            for value in (0, -20.0, float("nan"), 1e7, 1e-4, None, True)
         ),
         *(
             ({"seed": value}, f"seed must be a whole number from 0 to 2147483647, got {value}")

@@ -149,6 +149,9 @@ def test_onnx_step_equals_python(compensator, recordings, tmp_path):
     stream = OnnxStream(tmp_path / "c.onnx")
     got = [stream.update(*sample) for sample in zip(recording.conductance_S, steps, strict=True)]
     np.testing.assert_allclose(got, streamed(compensator, recording), atol=1e-9)
+    for wrong, words in ((("x",), "conductance_S must be a number, got 'x'"), ((1e-6, "x"), "dt_s must be a number")):
+        with pytest.raises(UserError, match=words):
+            stream.update(*wrong)
 
 
 def test_what_is_no_compensator_is_refused_by_name():

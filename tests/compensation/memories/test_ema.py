@@ -25,6 +25,13 @@ def test_start_lengths_are_the_papers():
     assert start_samples(smoothing_factors(), RATE_HZ).tolist() == [1, 1, 1, 2, 5, 13, 31]
 
 
+def test_no_start_is_longer_than_the_memory():
+    """Below 1 Hz the formula would average over more than a filter remembers, at 1e-3 Hz a thousand times as much."""
+    alphas = smoothing_factors()
+    for rate_hz in (1.0, 0.1, 1e-3):
+        assert start_samples(alphas, rate_hz).tolist() == np.ceil(1 / alphas - 1e-9).tolist()
+
+
 def test_an_exact_quotient_is_not_rounded_up():
     assert start_samples([0.05, 0.025], RATE_HZ).tolist() == [1, 2]
 

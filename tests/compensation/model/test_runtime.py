@@ -227,7 +227,7 @@ def test_what_was_not_seen_is_said(compensator, recordings):
     value = stream.update(2.5 * max(conductance for conductance, _ in good), 0.05)
     assert stream.status & Status.UNSEEN_READING
     assert np.isfinite(value)
-    # One spark is forgotten at the speed of the memories, and no faster than from the limit.
+    # One spike is forgotten at the speed of the memories, and no faster than from the limit.
     stream.update(1.0, 0.05)
     after, _ = fed(stream, good[-40:])
     calm, _ = fed(primed(compensator, good), good[-40:])

@@ -229,6 +229,27 @@ def test_a_reference_that_was_never_tared_is_refused(compensator, recordings, tm
     assert not out.exists()
 
 
+def test_a_spike_of_the_cell_is_no_reference(compensator, recordings, tmp_path, capsys):
+    """One reading of nearly a million newton leaves the correction where it was; one in another unit is refused."""
+    compensator_files.save(tmp_path / "c.json", compensator)
+    argv = ["recalibrate", str(tmp_path / "c.json"), str(tmp_path / "r.csv"), "-o", str(tmp_path / "new.json")]
+    found = []
+    for spike_N in (0.0, 9e5):
+        force_N = recordings[1]["force_N"].copy()
+        force_N[1200] += spike_N
+        one = replace(recordings[1], channels={**recordings[1].channels, "force_N": force_N})
+        write_recording_csv(tmp_path / "r.csv", one)
+        assert main(argv) == 0
+        assert ("sample(s) beyond" in capsys.readouterr().out) == bool(spike_N)
+        (note,) = compensator_files.load(tmp_path / "new.json").recipe["recalibrated"]
+        found.append([note[name] for name in ("gain_in", "shift_in", "gain_out", "shift_out", "rms_after")])
+    np.testing.assert_allclose(*found, atol=0.01)
+    channels = {**recordings[1].channels, "force_N": 1e3 * recordings[1]["force_N"]}
+    write_recording_csv(tmp_path / "r.csv", replace(recordings[1], channels=channels))
+    assert main(argv) == 2
+    assert "as far as the training went; check that the force is in N" in capsys.readouterr().err
+
+
 def test_too_little_reference_is_said(compensator, test_part):
     with pytest.raises(UserError, match=r"4.0 s of reference; a recalibration needs at least 5 s"):
         recalibrated(compensator, first(test_part, 4))

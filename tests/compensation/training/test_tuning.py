@@ -38,9 +38,9 @@ def test_it_does_not_learn_from_each_recordings_own_mean(recordings):
         train(recordings[:1], "force", Options(per_recording=True), method="tuned")
 
 
-def test_the_recipe_tells_every_choice(tuned):
+def test_the_recipe_tells_every_choice(tuned, recordings):
     tried = tuned.recipe["cross_validation"]
-    assert len(tried) + tuning.ENSEMBLE == tuning.steps()
+    assert len(tried) + tuning.ENSEMBLE == tuning.steps([series_of(recordings[0], "displacement", 20.0)], QUICK)
     members = tuned.recipe["members"]
     assert members[0]["l2"] == tuned.recipe["l2"]
     assert 1 <= len(members) == len({member["history"] for member in members})
@@ -80,6 +80,15 @@ def test_lessons_are_standardised_and_the_networks_take_raw_features(recordings)
     up, down = (version[:, 0] - learned.versions[0][:, 0] for version in learned.versions[1:])
     np.testing.assert_allclose(up, STATE_SHIFT, atol=1e-9)
     np.testing.assert_allclose(down, -STATE_SHIFT, atol=1e-9)
+
+
+def test_no_bank_remembers_longer_than_the_recording(recordings):
+    """Of a minute, the seven filters of the paper are learned from, and the finer bank; not the one of 76 s."""
+    minute, whole = (series_of(one, "force", 20.0) for one in (recordings[0].between(0, 60), recordings[0]))
+    assert len(tuning.banks([whole], QUICK)) == len(tuning.BANKS)
+    fitting = tuning.banks([minute], QUICK)
+    assert [(one.factor, one.count) for one in fitting] == [(2.5, 7), (1.75, 10)]
+    assert tuning.steps([minute], QUICK) == tuning.steps([whole], QUICK) - 1
 
 
 def choice(*errors: float) -> tuning.Choice:

@@ -10,7 +10,7 @@ import pytest
 from compensation.cli import main
 from compensation.series.preprocessing import series_of
 from compensation.series.score import r2
-from compensation.training import twin, twin_models
+from compensation.training import twin
 from compensation.training.options import Options
 from compensation.training.training import train_on_series
 from gcode.support.errors import UserError
@@ -26,8 +26,8 @@ from testbench.recordings.files import write_recording_csv
 def few_networks(monkeypatch):
     """Shorter than in earnest."""
     monkeypatch.setattr(twin, "NETWORKS", 2)
-    monkeypatch.setattr(twin_models, "DRAWS", 2)
-    monkeypatch.setattr(twin_models, "KIN", 1)
+    monkeypatch.setattr(twin, "DRAWS", 2)
+    monkeypatch.setattr(twin, "OTHERS", 1)
 
 
 def test_twin_beats_a_short_recording_alone(recordings):
@@ -63,25 +63,25 @@ def test_a_model_without_force_is_refused_for_force_only():
 
 def test_memories_are_added_once_and_only_where_their_signals_are():
     effects = load_catalogue().effects
-    whole = twin_models.with_memories(baseline())
-    assert set(twin_models.MEMORIES) < set(whole.effects)
-    assert list(twin_models.with_memories(whole).effects) == list(whole.effects)
-    electrical = twin_models.with_memories(KnitModel.of(effects["piezoresistance"]()))
+    whole = twin.with_memories(baseline())
+    assert set(twin.MEMORIES) < set(whole.effects)
+    assert list(twin.with_memories(whole).effects) == list(whole.effects)
+    electrical = twin.with_memories(KnitModel.of(effects["piezoresistance"]()))
     assert not {"stress_relaxation", "contact_relaxation", "contact_hysteresis"} & set(electrical.effects)
     assert "electrical_overshoot" in electrical.effects
     # Another law of the same mechanism counts as present.
-    other = twin_models.with_memories(baseline().plus(effects["stress_relaxation_log"]()))
+    other = twin.with_memories(baseline().plus(effects["stress_relaxation_log"]()))
     assert "stress_relaxation" not in other.effects
 
 
 def test_draws_stay_within_bounds_and_the_best_explain_the_measurement(recordings):
     short = recordings[0].between(0, 60)
-    measurement = coarser(prepare(short), twin_models.FIT_RATE_HZ)
+    measurement = coarser(prepare(short), twin.FIT_RATE_HZ)
     best = fit(baseline(), measurement)
-    drawn = twin_models.draws(best, 4, seed=1)
+    drawn = twin.draws(best, 4, seed=1)
     assert drawn[0].to_dict() != drawn[1].to_dict()
-    assert drawn[0].to_dict() == twin_models.draws(best, 4, seed=1)[0].to_dict()
-    first, second = twin_models.plausible(baseline(), short)
+    assert drawn[0].to_dict() == twin.draws(best, 4, seed=1)[0].to_dict()
+    first, second = twin.plausible(baseline(), short)
     error = [np.std(measurement.residual(one)["force"][measurement.counts]) for one in (first, second)]
     assert error[1] < 1.5 * error[0]
 

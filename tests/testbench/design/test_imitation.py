@@ -12,9 +12,9 @@ from testbench.design.ahead import planned
 from testbench.design.imitation import Rival, imitate
 from testbench.design.protocols import Bounds, drivable
 from testbench.fitting import constants
+from testbench.fitting.evidence.independent_samples import independent_share
 from testbench.fitting.evidence.laplace import fitted
 from testbench.fitting.evidence.sample_noise import known_noise
-from testbench.fitting.evidence.telling import independent_share
 from tests.testbench.builders import CATALOGUE, GAUGE_LENGTH_MM, NOISE_LN, NOISE_N, truth
 
 FLOORS = {"force": NOISE_N, "conductance": NOISE_LN}

@@ -11,7 +11,7 @@ import pytest
 
 import testbench as tb
 from testbench.fitting import constants
-from testbench.fitting.evidence.telling import on_the_grid, telling
+from testbench.fitting.evidence.independent_samples import on_the_grid, telling
 from testbench.measurements.preparing import prepare
 from tests.testbench.builders import record, truth, write_csv
 

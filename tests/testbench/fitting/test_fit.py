@@ -10,9 +10,9 @@ from scipy.optimize import minimize
 
 from testbench.fitting.baseline import starting_baseline, with_shapes
 from testbench.fitting.downhill import huber
+from testbench.fitting.evidence.independent_samples import independent_share
 from testbench.fitting.evidence.laplace import fitted
 from testbench.fitting.evidence.sample_noise import likelihood_of, noise_of
-from testbench.fitting.evidence.telling import independent_share
 from testbench.fitting.fit import fit
 from testbench.fitting.parameters import FreeParameters, free_parameters, shape_scales
 from testbench.fitting.sensitivity import sensitivities

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from testbench.comparing.model_errors import noise_floors, rms_errors
-from testbench.fitting.evidence.telling import HOLD_STEP, on_the_grid, telling
+from testbench.fitting.evidence.independent_samples import HOLD_STEP, on_the_grid, telling
 from testbench.measurements import preparing
 from testbench.measurements.bins import Bins
 from testbench.measurements.coarser import _turns_kept, coarser

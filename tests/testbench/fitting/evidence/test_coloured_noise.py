@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from testbench.fitting.evidence.coloured_noise import with_colour
+from testbench.fitting.evidence.independent_samples import on_the_grid
 from testbench.fitting.evidence.sample_noise import noise_of
-from testbench.fitting.evidence.telling import on_the_grid
 from testbench.knit.effect import FloatArray
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.preparing import prepare

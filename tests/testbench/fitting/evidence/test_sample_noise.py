@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from testbench.fitting.evidence.independent_samples import telling
 from testbench.fitting.evidence.sample_noise import _noise_by_level, likelihood_of, noise_of
-from testbench.fitting.evidence.telling import telling
 from testbench.measurements.preparing import prepare
 from tests.testbench.builders import NOISE_N, record, truth
 

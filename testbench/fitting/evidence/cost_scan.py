@@ -1,4 +1,4 @@
-"""How well the data know a parameter at which a law jumps, found by moving it: a derivative says nothing there."""
+"""How well the data know a parameter at which a law jumps, and no derivative tells it: the cost to both sides."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def _one_side(rise: FloatArray) -> float:
 
 
 def with_widths(normal: NormalEquations, widths: Mapping[int, float], sigma: Mapping[str, float]) -> NormalEquations:
-    """The normal equations in which these coefficients, whose columns are zero, are known by their widths."""
+    """The normal equations with what the widths tell of these coefficients, whose own columns are zero."""
     first, information = next(iter(normal.information(sigma).items()))
     gram = normal.products[first].copy()
     for index, known in widths.items():

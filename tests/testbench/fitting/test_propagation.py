@@ -7,7 +7,7 @@ import pytest
 
 from testbench.fitting.baseline import framed, with_shapes
 from testbench.fitting.parameters import FreeParameters, free_parameters, shape_scales
-from testbench.fitting.passed_on import Chain
+from testbench.fitting.propagation import Chain
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
 from testbench.knit.catalogue import load_catalogue

@@ -1,4 +1,4 @@
-"""Sorted by evidence, and the first of each kind."""
+"""Sorts what has a log evidence, the best first, and keeps the best of each kind."""
 
 from __future__ import annotations
 

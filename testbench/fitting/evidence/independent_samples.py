@@ -20,7 +20,7 @@ def on_the_grid(measurement: Measurement, finer: int = 1) -> Measurement:
 
 
 def telling(measurement: Measurement) -> Measurement:
-    """Only samples that say something new count: in a hold they repeat each other, ever more so.
+    """The measurement in which only samples that say something new count: in a long hold they repeat each other.
 
     All are kept while the knit moves, however slowly; in a hold one after each `HOLD_STEP` of the time since it moved
     last. A ramp of seconds before a hold of hours would weigh nothing otherwise.
@@ -43,10 +43,10 @@ def independent_share(measurement: Measurement) -> float:
 
 
 def news_of(measurement: Measurement, most: float = np.inf) -> float:
-    """Independent samples of those that count, of which a short motion has few; at most so many."""
+    """How many independent samples those that count are worth, at most so many; a short motion has few."""
     return min(int(measurement.counts.sum()) * independent_share(measurement), most)
 
 
 def in_last_fit(measurement: Measurement, pieces: float) -> float:
-    """The same as the last fit of a model counts them, where models are compared by so many independent pieces."""
+    """`news_of` for the last fit of a model; `pieces`: independent samples that the comparison counts at most."""
     return news_of(measurement, constants.IN_LAST_FIT * pieces / constants.INDEPENDENT)

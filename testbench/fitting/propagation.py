@@ -1,7 +1,7 @@
 """How a small change of a signal anywhere in the chain of a model passes on to its readings.
 
-Most laws remember nothing: what they write at a moment answers to what they read at that moment alone, by a slope
-that one more run of the law tells at all moments. The slopes of one law after the other multiply, from the last law
+Most laws have no memory: what they write at a moment depends on what they read at that moment alone, and one more run
+of the law gives the slope at every moment. The slopes of one law after the other multiply, from the last law
 backwards (reverse accumulation; Griewank & Walther, Evaluating Derivatives (2008), ch. 3). A law that remembers has
 no such slope: a change that reaches it must be simulated up to there.
 """
@@ -29,7 +29,7 @@ SMALL = 1e-4  # of the range of a signal: the change that tells a slope
 
 @dataclass(frozen=True, eq=False)
 class Answers:
-    """What the readings make of a small change of the signals behind one law.
+    """How the readings answer to a small change of the signals behind one law.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Answers:
 
 
 class Chain:
-    """The laws of a model in their order, the signals behind each, and what the readings make of their changes.
+    """The laws of a model in their order, the signals behind each, and how the readings answer to changes of those.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ class Chain:
         self._answers = [Answers(len(ones), ends)]  # behind the last law, the one before it, ...
 
     def answers_behind(self, number: int) -> Answers:
-        """What the readings make of a change of the signals behind this law."""
+        """How the readings answer to a change of the signals behind this law."""
         while len(self.laws) - len(self._answers) > number:
             self._answers.append(self._before(len(self.laws) - len(self._answers)))
         return self._answers[len(self.laws) - 1 - number]
@@ -104,7 +104,7 @@ class Chain:
         return KnitModel(dict(islice(self.laws, number + 1)))
 
     def _before(self, number: int) -> Answers:
-        """What the readings make of a change of the signals that this law reads."""
+        """How the readings answer to a change of the signals that this law reads."""
         then, (name, law) = self.answers_behind(number), self.laws[number]
         before = self.before[number]
         if isinstance(law, ReadingAge) and _is_last(law, then):
@@ -193,7 +193,7 @@ def _looks(law: Effect, added: Change | None, before: Signals) -> tuple[set[str]
 
 
 def _as_one(answers: Answers, state: Signals, ready: Signals) -> Answers:
-    """The force is the force on the contacts where no law has told them apart."""
+    """Where no law makes a contact force of its own, a change of it is a change of the force."""
     if "contact_force_N" in state or "contact_force_N" not in ready:
         return answers
     slopes, remembered = {}, dict(answers.remembered)

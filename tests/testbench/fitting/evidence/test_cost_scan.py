@@ -9,11 +9,11 @@ import pytest
 from scipy.special import logsumexp
 
 from testbench.diagnosis.judging.discrepancy_map import mapped
+from testbench.fitting.evidence.cost_scan import STEPS, width
+from testbench.fitting.evidence.independent_samples import on_the_grid, telling
 from testbench.fitting.evidence.laplace import fitted
-from testbench.fitting.evidence.moved import STEPS, width
 from testbench.fitting.evidence.priors import declared
 from testbench.fitting.evidence.sample_noise import likelihood_of, noise_of
-from testbench.fitting.evidence.telling import on_the_grid, telling
 from testbench.knit.kinematics.slip import ClampSlipOnce
 from testbench.measurements.preparing import prepare
 from tests.testbench.builders import record, truth
