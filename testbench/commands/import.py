@@ -77,7 +77,7 @@ def _add_columns(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--rest-ohm", "--r0-ohm", dest="r0_ohm", type=positive, metavar="R0", help="R0 of the relative ones"
     )
-    group.add_argument("--repeat", type=int, metavar="N", help="of several repeats in the file, this one")
+    group.add_argument("--repeat", metavar="N", help="of several repeats or specimens in the file, this one")
 
 
 def _add_units(parser: argparse.ArgumentParser) -> None:

@@ -29,7 +29,7 @@ from testbench.importing.layout import (
     words_in,
 )
 from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
-from testbench.importing.vocabulary.notation import decimal_sign, is_number, is_when
+from testbench.importing.vocabulary.notation import decimal_sign
 from testbench.recordings.csv_columns import MOST_COLUMNS, in_words
 from testbench.recordings.quoted import check_quotes
 
@@ -41,8 +41,8 @@ BLANKS = " "  # any number of blanks is one separator
 MOST_BROKEN = 60  # lines of a row whose quoted cells have line breaks
 # What may stand between names that have blanks themselves, where blanks part the numbers below them.
 BETWEEN_NAMES = (re.compile(r"\s*[,;|\t]\s*"), re.compile(r"\t+| {2,}"))
-# The monitors of Arduino and PlatformIO write when a line came, and an arrow before what came.
-STAMPED = r"(?m)^(\d{1,2}:\d{2}:\d{2}[.,]\d{3}) -?>[ \t]?"
+# Monitors of serial ports write when a line came, in brackets (Tera Term) or with an arrow behind it (Arduino).
+STAMPED = r"(?m)^\[?((?:\d{4}-\d{2}-\d{2}[ T])?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)(?:\]| -?>)[ \t]?"
 END_OF_TEXT = "\x1a"  # of DOS, which some loggers still write below the last row
 AFTER_A_UNIT = re.compile(r"(?<=[)\]])\s+")
 WORDS = re.compile(r'"[^"]*"|\S+')
@@ -276,7 +276,9 @@ def _split(lines: Sequence[str], separator: str) -> list[list[str]]:
 
 def _stamps_apart(text: str, separator: str) -> str:
     """Lines of cells in which the stamp of a serial monitor is a cell of its own."""
-    return re.sub(rf"{STAMPED}(?=.*{re.escape(separator)})", rf"\1{separator}", text) if ">" in text else text
+    if ">" not in text and "]" not in text:
+        return text
+    return re.sub(rf"{STAMPED}(?=.*{re.escape(separator)})", rf"\1{separator}", text)
 
 
 def _at_blanks(line: str) -> list[str]:
@@ -318,7 +320,7 @@ def _worth(rows: Sequence[Sequence[str]], layout: Layout, wanted: Sequence[str])
     meanings = sum(bool(column.heading.roles) for column in layout.columns)
     data = [row for row in rows[layout.first_row - 1 :] if len(row) > 1 and is_data(row)]
     cells = [cell for row in data for cell in row if cell.strip()]
-    pure = sum(is_number(cell) or is_when(cell) for cell in cells) / max(1, len(cells))
+    pure = count_numbers(cells) / max(1, len(cells))
     return all(name in have for name in wanted), round(len(data) * pure, 1), meanings, len(layout.columns)
 
 
@@ -349,7 +351,7 @@ def _no_numbers(lines: Sequence[str], wanted: Sequence[str], hints: Hints) -> st
     filled = [line.strip() for line in lines if line.strip()]
     return (
         f"no rows of numbers in its first {len(lines)} lines, where cells hold nothing but a number each: a row is "
-        f"{shortened(filled[len(filled) // 2])!r}; names and units in the cells (t=0.1, 2 mm, JSON) belong into a "
+        f"{shortened(filled[len(filled) // 2])!r}; names in the cells (t=0.1, JSON) belong into a "
         "row above them; a table that begins further below is found where lines above it are taken out; else see "
         "--separator, --encoding and --header-row"
     )
