@@ -75,9 +75,9 @@ def _with_units_beside(layout: Layout, rows: Sequence[Sequence[str]]) -> tuple[L
     for place, column in enumerate(layout.columns):
         cells = [row[place : place + 2] for row in body if count_numbers(row[place : place + 1])]
         behind = [unit_in(cell) for cell, *_ in cells]
-        beside = [cell for _, *others in cells for cell in others if words_in([cell])]
+        beside = [cell for _, *others in cells for cell in others if words_in([cell]) and _may_be_of(cell, column)]
         for where, texts in zip(layout.columns[place : place + 2], (behind, beside), strict=False):
-            said = [text for text in texts if text and _may_be_of(text, column)]
+            said = list(filter(None, texts))
             if 2 * len(said) > len(body):
                 units[column.number] = where, said[0]
                 if not column.unit_text:

@@ -84,14 +84,11 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
         if one.unit is None:
             found = _moments(one, cells, frame, read)
         else:
-            bare, texts = units_apart(cells) if one.units else (cells, None)
-            if one.units and one.units.number != one.column.number:
-                texts = frame[one.units.number].astype("string").str.strip()
-            plain, wrong = numbers(bare, sheet.decimal, thousands)
+            plain, wrong = numbers(units_apart(cells)[0] if one.units else cells, sheet.decimal, thousands)
             read.words[role] = _in_words(one, plain)
             if role == "time":
                 plain = _onward(plain, COUNTERS, one.column, read)
-            found = one.unit.converted(plain) if texts is None else _each_converted(one, plain, texts, read)
+            found = _each_converted(one, plain, frame, read) if one.units else one.unit.converted(plain)
             _note(read, one.column, cells, wrong, "a number", sheet.decimal)
         read.values[role] = found
         if one.clock is not None:
@@ -99,18 +96,20 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
     return read
 
 
-def _each_converted(one: Taken, plain: np.ndarray, texts: pd.Series, read: Read) -> np.ndarray:
+def _each_converted(one: Taken, plain: np.ndarray, frame: pd.DataFrame, read: Read) -> np.ndarray:
     """Numbers in our unit, each from the unit that stands behind or beside it."""
     assert one.unit is not None
     assert one.units is not None
+    cells, behind = frame[one.units.number], one.units.number == one.column.number
+    texts = (units_apart(cells)[1] if behind else cells.astype("string").str.strip()).fillna("")
     found = np.full(len(plain), np.nan)
-    for text in texts.dropna().unique():
-        unit, here = unit_of(text, (one.unit.quantity,)), (texts == text).fillna(False).to_numpy(dtype=bool)
+    for text in texts.unique():
+        unit, here = unit_of(text, (one.unit.quantity,)), (texts == text).to_numpy(dtype=bool)
         if unit and (unit == one.unit or one.may_change):
             found[here] = unit.converted(plain[here])
     wrong = np.flatnonzero(np.isnan(found) & np.isfinite(plain))
     want = f"a unit of {one.role}" if one.may_change else f"{one.unit.symbol}, as {one.unit_from} says"
-    _note(read, one.units, texts, int(wrong[0]) if wrong.size else None, want)
+    _note(read, one.units, cells, int(wrong[0]) if wrong.size else None, "a number with " * behind + want)
     return found
 
 

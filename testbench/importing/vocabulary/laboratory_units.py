@@ -67,6 +67,7 @@ _TABLE: dict[str, tuple[tuple[str, float, float, str, str], ...]] = {
     "force": (
         ("N", 1.0, 0.0, "N", "newton newtons н 牛 牛顿"),
         ("mN", 1e-3, 0.0, "mN", "millinewton millinewtons 毫牛"),
+        ("µN", 1e-6, 0.0, "µN uN", "mikronewton micronewton micronewtons"),
         ("cN", 1e-2, 0.0, "cN CN", "centinewton"),
         ("daN", 10.0, 0.0, "daN DaN", "decanewton dekanewton"),
         ("kN", 1e3, 0.0, "kN KN", "kilonewton kilonewtons кн 千牛"),
@@ -80,6 +81,7 @@ _TABLE: dict[str, tuple[tuple[str, float, float, str, str], ...]] = {
         ("mΩ", 1e-3, 0.0, "mΩ mohm mOhm", "milliohm milliohms 毫欧"),
         ("kΩ", 1e3, 0.0, "kΩ KΩ", "kohm kohms kiloohm kiloohms kilohm kilohms ком 千欧"),
         ("MΩ", 1e6, 0.0, "MΩ Mohm MOhm", "megaohm megaohms megohm megohms 兆欧"),
+        ("GΩ", 1e9, 0.0, "GΩ", "gohm gigaohm gigaohms"),
     ),
     "conductance": (
         ("S", 1.0, 0.0, "S", "siemens"),

@@ -83,8 +83,17 @@ def test_each_cell_counts_in_its_own_unit_and_one_without_is_refused(tmp_path):
     for header, cell in ((names, "4700"), (names, "4.7 kN"), (f"{names} (Ohm)", "4.7 kOhm"), (names, "5 %")):
         bad = [*rows[:9], f"{T[9]},{X[9]},{F[9]},{cell}", *rows[10:]]
         bad = [row.replace(cells[0], "4700 Ohm") for row in bad]
-        with pytest.raises(UserError, match=r"must be (a unit of resistance|Ω, as header says)"):
+        with pytest.raises(UserError, match=r"must be a number with (a unit of resistance|Ω, as header says), got"):
             import_csv(_written(tmp_path / "bad.csv", [header, *bad]), WISH)
+
+
+def test_percent_of_a_resistance_lead_to_what_is_relative(tmp_path):
+    for header, form in (("Resistance (%)", "{},{},{}"), ("Resistance", "{},{},{}%")):
+        path = _written(tmp_path / "film.csv", [f"Time (s),Extension (mm),{header}", *_rows(form, T, X, R / 47)])
+        with pytest.raises(UserError, match=r"its unit '%' cannot be read as one; .* or --relative-resistance 3 "):
+            import_csv(path, WISH)
+        found = import_csv(path, Wish(40.0, {"relative": "3"}, r0_ohm=4700.0)).recording
+        assert found["resistance_ohm"] == pytest.approx(R)
 
 
 def test_a_single_cell_with_a_unit_among_plain_ones_is_no_number(tmp_path):
