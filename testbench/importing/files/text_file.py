@@ -50,6 +50,8 @@ QUOTED = re.compile(r'"[^"\n]*"')
 # A spreadsheet leaves out the empty cells at the ends of rows in as many rows at once (Microsoft KB 77295).
 BLOCK_ROWS = 16
 
+Odd = Mapping[int, tuple[int, str | Sequence[str]]]  # rows, by place: number of cells, and the line or its cells
+
 
 class _Headed(io.TextIOBase):
     """A text stream with a header above it: pandas takes a column that no row has from a header alone.
@@ -58,14 +60,14 @@ class _Headed(io.TextIOBase):
     ----------
     lines : int
         Lines that were read below the header.
-    odd : dict of int to str
-        Those that have another number of cells than usual, blank ones aside, by place.
+    odd : dict of int to (int, str)
+        Those that have another number of cells than usual, blank ones aside, with that number, by place.
     """
 
     def __init__(self, names: Sequence[int], separator: str, usual: int, stream: io.TextIOWrapper) -> None:
         self._header = separator.join(map(str, names)) + "\n"
         self._separator, self._usual, self._stream = separator, usual, stream
-        self.lines, self.odd = 0, dict[int, str]()
+        self.lines, self.odd = 0, dict[int, tuple[int, str]]()
 
     def read(self, size: int | None = -1) -> str:
         """The header at first, then what is in the stream, in whole lines."""
@@ -77,7 +79,7 @@ class _Headed(io.TextIOBase):
         counts = _counts(lines, self._separator)
         if counts.count(self._usual) < len(lines):
             found = enumerate(zip(counts, lines, strict=True), self.lines)
-            self.odd |= {place: line for place, (count, line) in found if count != self._usual and line.strip()}
+            self.odd |= {place: one for place, one in found if one[0] != self._usual and one[1].strip()}
         self.lines += len(lines)
         return text
 
@@ -163,20 +165,21 @@ class TextSheet(Sheet):
             said = in_words(error, self.layout.first_row - 1)
             raise UserError(f"{self.path}: {said}; check the export, or name --separator") from None
         frame = frame.set_axis(numbers, axis=1)
-        odd = {place: _split([line], self.separator)[0] for place, line in headed.odd.items()}
+        odd: Odd = headed.odd
         if headed.lines > len(frame):  # some cell goes over several lines
             with self._opened() as stream:
                 check_quotes(self.path, stream, self.separator, self.layout.first_row, _has_numbers)
             with self._opened() as stream:
                 rows = csv.reader(stream, delimiter=self.separator, skipinitialspace=True)
-                odd = {place: cells for place, cells in enumerate(rows) if len(cells) not in (0, len(self._typical))}
+                found = ((place, (len(cells), cells)) for place, cells in enumerate(rows))
+                odd = {place: one for place, one in found if one[0] not in (0, len(self._typical))}
         if odd and (moved := self._moved(odd, frame)):
             gone = frame.index.isin(moved)
             frame = frame.apply(lambda column: column.mask(gone)).astype({numbers[0]: object})
             frame.loc[list(moved), numbers[0]] = list(moved.values())
         return frame
 
-    def _moved(self, odd: Mapping[int, Sequence[str]], frame: pd.DataFrame) -> dict[int, str]:
+    def _moved(self, odd: Odd, frame: pd.DataFrame) -> dict[int, str]:
         """Rows, by place, whose cells may stand in columns that are not theirs, as they came and in words.
 
         Where a row has more cells than there are columns, one was parted in two, as ``1,5`` is by commas, unless what
@@ -187,13 +190,16 @@ class TextSheet(Sheet):
         usual = len(self._typical)
         most = max(usual, len(self.layout.columns))
         last = np.flatnonzero(frame.notna().any(axis=1)).max(initial=0)
-        places, counts = np.array(list(odd)), np.array(list(map(len, odd.values())))
+        places, counts = np.array(list(odd)), np.array([count for count, _ in odd.values()])
         found = {}
         for run in np.split(places, np.flatnonzero((np.diff(places) != 1) | (np.diff(counts) != 0)) + 1):
             ends = len(run) >= (2 if run[-1] == last else BLOCK_ROWS) and self.separator != BLANKS
+            if ends and odd[int(run[0])][0] < usual:
+                continue
             for place in run.tolist():
-                cells, why = odd[place], ""
-                if len(cells) < usual and not ends and count_numbers(cells):
+                row, why = odd[place][1], ""
+                cells = _split([row], self.separator)[0] if isinstance(row, str) else row
+                if len(cells) < usual and count_numbers(cells):
                     why = f"fewer than {usual}"
                 elif len(cells) > most and not self._goes_beside(cells):
                     why = f"more than {most}"
