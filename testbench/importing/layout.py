@@ -9,7 +9,7 @@ from statistics import mode
 from gcode.support.errors import UserError
 from testbench.importing.vocabulary.headings import Heading, power_of_ten, read_heading
 from testbench.importing.vocabulary.laboratory_units import units_spelt
-from testbench.importing.vocabulary.notation import MISSING, is_value
+from testbench.importing.vocabulary.notation import MISSING, is_value, unit_in
 
 Rows = Sequence[Sequence[str]]
 SHOWN = 60  # characters of a name in a message
@@ -204,8 +204,9 @@ def _has_more_beside(cells: Sequence[str], first: Sequence[str]) -> bool:
 
 
 def _is_alike(cells: Sequence[str], first: Sequence[str]) -> bool:
-    """Whether a row is one of numbers, as wide as the first of its run."""
-    return is_data(cells) and abs(len(cells) - len(first)) <= 1
+    """Whether a row is one of numbers, as wide as the first of its run, with units in its cells if that has some."""
+    with_units = any(map(unit_in, cells)) == any(map(unit_in, first))
+    return is_data(cells) and abs(len(cells) - len(first)) <= 1 and with_units
 
 
 def _goes_on(rows: Rows, begin: int, place: int) -> bool:

@@ -51,6 +51,11 @@ def test_a_line_or_a_remark_between_names_and_numbers_is_passed_over(tmp_path, b
     _check(import_csv(_written(tmp_path / "origin.txt", lines), WISH).recording, resistance=True)
 
 
+def test_a_row_of_limits_below_the_names_is_none_of_the_table(tmp_path):
+    lines = ["Time (s),Ext. (mm),Load (N)", "60 s,500 mm,25 N", *_rows("{},{},{}", T, X, F)]
+    _check(import_csv(_written(tmp_path / "lab.csv", lines), WISH).recording)
+
+
 def test_settings_above_numbers_without_names_are_no_names(tmp_path):
     boot = ["rst:0x1 (POWERON),boot:0x8 (SPI)", "load:0x40,len:0xad0", "entry 0x403c98d4"]
     said = {"columns": {"time": "1", "displacement": "2"}, "units": {"time": "s", "displacement": "mm"}}
