@@ -282,14 +282,16 @@ def _columns(rows: Rows, header: int | None, units_row: int | None, start: int) 
     if ["X_Dimension", "Time"] in [list(cells[:2]) for cells in rows[: (header or 1) - 1]]:
         names = [name.replace("X_Value", LABVIEW_TIME) for name in names]
     width = max(width, width_of(names))
-    return tuple(_column(place + 1, _cell(names, place), _cell(units, place), units_row) for place in range(width))
+    cells = ((_cell(names, place), _cell(units, place)) for place in range(width))
+    return tuple(column_named(number, *both, units_row) for number, both in enumerate(cells, 1))
 
 
 def _cell(cells: Sequence[str], place: int) -> str:
     return cells[place].strip() if place < len(cells) else ""
 
 
-def _column(number: int, name: str, below: str, units_row: int | None) -> Column:
+def column_named(number: int, name: str, below: str = "", units_row: int | None = None) -> Column:
+    """A column by its name, and what the row of units has below it."""
     heading = read_heading(name)
     bare = below.strip("[](){}<> ").strip()
     if not bare or (heading.unit(heading.unit_text) and bare == "-"):

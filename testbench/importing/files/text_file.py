@@ -7,7 +7,7 @@ import io
 import re
 from collections.abc import Mapping, Sequence, Set
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from statistics import mode
@@ -18,6 +18,7 @@ import numpy as np
 from gcode.support.errors import UserError
 from gcode.support.strict import blocks_of
 from testbench.importing.files.encodings import encoding_of, is_text, known_encoding
+from testbench.importing.files.named_cells import NamedCells, named_cells
 from testbench.importing.layout import (
     SHOWN,
     Layout,
@@ -64,8 +65,10 @@ class _Headed(io.TextIOBase):
         Those that have another number of cells than usual, blank ones aside, with that number, by place.
     """
 
-    def __init__(self, names: Sequence[int], separator: str, usual: int, stream: io.TextIOWrapper) -> None:
-        self._header = separator.join(map(str, names)) + "\n"
+    def __init__(
+        self, names: Sequence[int], separator: str, usual: int, stream: io.TextIOWrapper, named: NamedCells | None
+    ) -> None:
+        self._header, self._named = separator.join(map(str, names)) + "\n", named
         self._separator, self._usual, self._stream = separator, usual, stream
         self.lines, self.odd = 0, dict[int, tuple[int, str]]()
 
@@ -75,6 +78,7 @@ class _Headed(io.TextIOBase):
             self._header = ""
             return header
         text = _stamps_apart(self._stream.read(size) + self._stream.readline(), self._separator)
+        text = self._named.taken_out(text) if self._named else text
         lines = text.removesuffix("\n").split("\n") if text else []
         counts = _counts(lines, self._separator)
         if counts.count(self._usual) < len(lines):
@@ -96,6 +100,7 @@ class TextSheet(Sheet):
 
     separator: str
     encoding: str
+    named: NamedCells | None = None
 
     @property
     def parts_sentences(self) -> bool:
@@ -124,7 +129,7 @@ class TextSheet(Sheet):
         with self.path.open(encoding=self.encoding) as stream:
             for place, line in enumerate(stream, 1 - self.layout.first_row):
                 if place in places and line.strip():
-                    cells = _split([line], self.separator)[0]
+                    cells = _split([self.named.taken_out(line) if self.named else line], self.separator)[0]
                     if any(number <= len(cells) and cells[number - 1].strip() for number in numbers):
                         found.append(place)
         return found if place + 1 == count else []
@@ -147,7 +152,7 @@ class TextSheet(Sheet):
         names = list(range(numbers[-1]))
         try:
             with self._opened() as stream:
-                headed = _Headed(names, self.separator, len(self._typical), stream)
+                headed = _Headed(names, self.separator, len(self._typical), stream, self.named)
                 frame = pd.read_csv(
                     headed,
                     sep=r"\s+" if self.separator == BLANKS else self.separator,
@@ -230,15 +235,20 @@ def open_text(path: Path, wanted: Sequence[str], hints: Hints) -> TextSheet:
         If the file is missing, empty or no text, has no numbers, or it cannot be told what its decimal sign is.
     """
     encoding, lines = _head(path, hints.encoding)
-    found = _layouts(lines, [hints.separator] if hints.separator else SEPARATORS, wanted, hints)
+    found, named = _layouts(lines, [hints.separator] if hints.separator else SEPARATORS, wanted, hints), None
     if not any(len(layout.columns) > 1 for _, _, layout in found):
-        found = _layouts(lines, [hints.separator or BLANKS], wanted, hints) or found
+        if named := named_cells(lines):
+            lines = named.taken_out("\n".join(lines)).split("\n")
+            layouts = _layouts(lines, [named.separator], (), replace(hints, header_row=0, units_row=0))
+            found = [(separator, rows, named.put_above(layout)) for separator, rows, layout in layouts]
+        else:
+            found = _layouts(lines, [hints.separator or BLANKS], wanted, hints) or found
     if not found:
         raise UserError(f"{path}: {_no_numbers(lines, wanted, hints)}")
     separator, rows, layout = max(found, key=lambda one: _worth(one[1], one[2], wanted))
     decimal = hints.decimal_said or _decimal(path, rows, layout, separator)
     details = {"separator": separator, "decimal": decimal, "encoding": encoding.removesuffix("-sig")}
-    return TextSheet(path, rows, layout, decimal, details, separator, encoding)
+    return TextSheet(path, rows, layout, decimal, details, separator, encoding, named)
 
 
 def _layouts(
@@ -357,7 +367,7 @@ def _no_numbers(lines: Sequence[str], wanted: Sequence[str], hints: Hints) -> st
     filled = [line.strip() for line in lines if line.strip()]
     return (
         f"no rows of numbers in its first {len(lines)} lines, where cells hold nothing but a number each: a row is "
-        f"{shortened(filled[len(filled) // 2])!r}; names in the cells (t=0.1, JSON) belong into a "
-        "row above them; a table that begins further below is found where lines above it are taken out; else see "
+        f"{shortened(filled[len(filled) // 2])!r}; words and brackets in the cells are to be "
+        "taken out; a table that begins further below is found where lines above it are taken out; else see "
         "--separator, --encoding and --header-row"
     )

@@ -40,9 +40,9 @@ _WHOLE = {
         "time elapsed timestamp epoch clock seconds runtime temps tempo tiempo tijd czas cas tid zaman время"
     ),
     "displacement": _words(
-        "displacement displ disp extension ext elongation elong crosshead position pos stroke travel deflection distance "
-        "extensometer deplacement allongement spostamento corsa allungamento desplazamiento alargamiento deformation "
-        "deslocamento alongamento verplaatsing verlenging przemieszczenie wydluzenie "
+        "displacement displ disp extension ext elongation elong crosshead position pos stroke travel deflection "
+        "distance extensometer deplacement allongement spostamento corsa allungamento desplazamiento alargamiento "
+        "deformation deslocamento alongamento verplaatsing verlenging przemieszczenie wydluzenie "
         "posunuti prodlouzeni forlangning forskjutning forlengelse forskyvning forlængelse uzama "
         "перемещение удлинение"
     ),

@@ -244,3 +244,30 @@ def test_a_sheet_of_settings_is_no_second_table(tmp_path):
     with pytest.raises(UserError, match="'Data', 'Data Copy' have tables"):
         import_csv(tmp_path / "lab.xlsx", WISH)
     _check(import_csv(tmp_path / "lab.xlsx", Wish(40.0, hints=Hints(sheet="Data"))).recording)
+
+
+NAMED = [
+    "t_ms:{:.0f},x_mm:{},F_N:{},R_ohm:{}",
+    "t_ms: {:.0f}, x_mm: {}, F_N: {}, R_ohm: {}",
+    "t_ms={:.0f} x_mm={} F_N={} R_ohm={}",
+    "Time: {:.0f} ms | Position: {} mm | Force: {} N | Resistance: {} Ohm",
+    '{{"t_ms": {:.0f}, "x_mm": {}, "F_N": {}, "R_ohm": {}}}',
+    "{{'t_ms': {:.0f}, 'x_mm': {}, 'F_N': {}, 'R_ohm': {}}}",
+]
+
+
+@pytest.mark.parametrize("form", NAMED)
+def test_names_in_the_cells_are_those_of_the_columns(tmp_path, form):
+    boot = ["rst:0x1 (POWERON_RESET),boot:0x13 (SPI_FAST_FLASH_BOOT)", "load:0x3fff0018,len:4", "entry 0x400806b4"]
+    path = _written(tmp_path / "serial.log", [*boot, *_rows(form, T * 1e3, X, F, R)])
+    _check(import_csv(path, WISH).recording, resistance=True)
+    name = "Position" if "Position" in form else "x_mm"
+    _check(import_csv(path, Wish(40.0, {"displacement": name})).recording, resistance=True)
+
+
+@pytest.mark.parametrize("line", ["t_s:0.5,F_N:2.5,x_mm:1.25", "t_s:0.5,x_mm:1.25"])
+def test_a_row_of_other_names_than_most_is_refused(tmp_path, line):
+    rows = _rows("t_s:{},x_mm:{},F_N:{}", T, X, F)
+    path = _written(tmp_path / "serial.log", [*rows[:5], line, *rows[6:]])
+    with pytest.raises(UserError, match="row 6"):
+        import_csv(path, WISH)
