@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from gcode.support.errors import UserError
 from testbench.importing.by_name import prefer, searched
-from testbench.importing.by_unit import When, take
+from testbench.importing.by_unit import Kinds, take
 from testbench.importing.choice import ELECTRICAL, ITS_CELLS, NOT_THERE, Choice, Trouble
 from testbench.importing.clocks import own_clocks
 from testbench.importing.layout import Column, Layout, column_of, count_numbers, width_of, words_in
@@ -46,17 +46,19 @@ def choose(layout: Layout, rows: Sequence[Sequence[str]], wish: Wish) -> Choice:
     prefer(picked, choice, wish)
     if len(times) > 1:
         clocks = _several_clocks(times, picked, choice, clocks)
-    when = When(*(_columns_of(layout, rows, kind) for kind in (is_when, is_short_clock, is_day)))
+    kinds: Kinds = {
+        kind: _columns_of(layout, rows, kind) for kind in (is_when, is_time_of_day, is_short_clock, is_day)
+    }
     for role in ROLES:
         if role in picked:
-            take(choice, role, picked[role], clocks.get(role), wish, when)
+            take(choice, role, picked[role], clocks.get(role), wish, kinds)
     for role, one in choice.taken.items():
         where, unit = units.get(one.column.number, (None, ""))
         if where and one.unit and unit_of(unit, (one.unit.quantity,)):
             choice.taken[role] = replace(one, units=where)
     _check_enough(choice, wish)
     choice.unused = _unused(choice, layout)
-    _join_days(choice, layout, rows)
+    _join_days(choice, layout, kinds)
     return choice
 
 
@@ -97,7 +99,7 @@ def _unused(choice: Choice, layout: Layout) -> tuple[Column, ...]:
     return tuple(column for column in layout.columns if id(column) not in used | open_ones)
 
 
-def _join_days(choice: Choice, layout: Layout, rows: Sequence[Sequence[str]]) -> None:
+def _join_days(choice: Choice, layout: Layout, kinds: Kinds) -> None:
     """Where the time is one of day, its days are in a column of dates beside it, if there is one.
 
     Raises
@@ -108,10 +110,8 @@ def _join_days(choice: Choice, layout: Layout, rows: Sequence[Sequence[str]]) ->
     time = choice.taken.get("time")
     if time is None or time.unit is not None:
         return
-    clocks = _columns_of(layout, rows, is_time_of_day)
-    dates = _columns_of(layout, rows, is_day)
-    days = [column for column in choice.unused if column.number in dates]
-    if not (time.short or time.column.number in clocks) or not days:
+    days = [column for column in choice.unused if column.number in kinds[is_day]]
+    if not (time.short == "h" or time.column.number in kinds[is_time_of_day]) or not days:
         return
     if len(days) > 1:
         labels = " and ".join(column.label for column in days)
