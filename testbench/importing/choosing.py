@@ -46,9 +46,8 @@ def choose(layout: Layout, rows: Sequence[Sequence[str]], wish: Wish) -> Choice:
     prefer(picked, choice, wish)
     if len(times) > 1:
         clocks = _several_clocks(times, picked, choice, clocks)
-    kinds: Kinds = {
-        kind: _columns_of(layout, rows, kind) for kind in (is_when, is_time_of_day, is_short_clock, is_day)
-    }
+    asked = (is_when, is_time_of_day, is_short_clock, is_day)
+    kinds: Kinds = {kind: _columns_of(layout, rows, kind) for kind in asked}
     for role in ROLES:
         if role in picked:
             take(choice, role, picked[role], clocks.get(role), wish, kinds)
