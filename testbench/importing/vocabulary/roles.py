@@ -51,7 +51,7 @@ _WHOLE = {
         "force load loadcell effort forza carico fuerza carga forca kracht sila kuvvet нагрузка усилие сила"
     ),
     "resistance": _words(
-        "resistance resistor res resistenza resistencia weerstand rezystancja opor odpor "
+        "resistance resistor resist res resistenza resistencia weerstand rezystancja opor odpor "
         "resistans motstand modstand direnc сопротивление"
     ),
     "conductance": _words("conductance conduttanza conductancia condutancia konduktancja"),
@@ -75,7 +75,7 @@ _SYMBOLS = {
     "displacement": _words("x s u d dl Δl ΔL δ"),
     "strain": _words("ε eps epsilon"),
     "force": _words("F f"),
-    "resistance": _words("R r"),
+    "resistance": _words("R r Rs Rp Rdc"),  # the last as LCR meters write them
     "conductance": _words("G"),
     "temperature": _words("T ϑ θ"),
 }

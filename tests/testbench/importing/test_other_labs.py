@@ -92,6 +92,13 @@ def test_each_cell_counts_in_its_own_unit_and_one_without_is_refused(tmp_path):
             import_csv(_written(tmp_path / "bad.csv", [header, *bad]), WISH)
 
 
+@pytest.mark.parametrize("name", ["Rs[ohm]", "Rdc (Ohm)", "Resist. [Ohm]"])
+def test_the_resistance_of_an_lcr_meter(tmp_path, name):
+    rows = _rows("{},{},{},{},-0.3", T, X, F, R)
+    path = _written(tmp_path / "lcr.csv", [f"TIME[s],STROKE[mm],LOAD[N],{name},X[ohm]", *rows])
+    _check(import_csv(path, WISH).recording, resistance=True)
+
+
 def test_percent_of_a_resistance_lead_to_what_is_relative(tmp_path):
     for header, form in (("Resistance (%)", "{},{},{}"), ("Resistance", "{},{},{}%")):
         path = _written(tmp_path / "film.csv", [f"Time (s),Extension (mm),{header}", *_rows(form, T, X, R / 47)])
