@@ -205,8 +205,9 @@ def _has_more_beside(cells: Sequence[str], first: Sequence[str]) -> bool:
 
 def _is_alike(cells: Sequence[str], first: Sequence[str]) -> bool:
     """Whether a row is one of numbers, as wide as the first of its run, with units in its cells if that has some."""
-    with_units = any(map(unit_in, cells)) == any(map(unit_in, first))
-    return is_data(cells) and abs(len(cells) - len(first)) <= 1 and with_units
+    if not is_data(cells) or abs(len(cells) - len(first)) > 1:
+        return False
+    return any(map(unit_in, cells)) == any(map(unit_in, first))
 
 
 def _goes_on(rows: Rows, begin: int, place: int) -> bool:

@@ -70,8 +70,9 @@ def is_number(text: str) -> bool:
 
 def unit_in(cell: str) -> str:
     """The unit behind a number in its cell (``7.8 %``); empty where there is none."""
-    found = _UNIT.search(cell.strip())
-    return found[1] if found and units_spelt(found[1]) and is_number(cell.strip()[: found.start()]) else ""
+    cell = cell.strip()
+    found = None if cell[-1:].isdigit() else _UNIT.search(cell)
+    return found[1] if found and units_spelt(found[1]) and is_number(cell[: found.start()]) else ""
 
 
 def is_value(text: str) -> bool:
