@@ -54,6 +54,11 @@ class Taken:
         return tuple(column for column in (self.column, self.clock, self.days, self.units) if column)
 
     @property
+    def units_behind(self) -> bool:
+        """Whether the unit of each row stands behind its number, in the same cell."""
+        return self.units is not None and self.units.number == self.column.number
+
+    @property
     def may_change(self) -> bool:
         """Whether its unit is that which the first row says, so that others may say another."""
         return self.units is not None and self.unit_from in (self.units.label, ITS_CELLS)

@@ -84,7 +84,7 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
         if one.unit is None:
             found = _moments(one, cells, frame, read)
         else:
-            plain, wrong = numbers(units_apart(cells)[0] if one.units else cells, sheet.decimal, thousands)
+            plain, wrong = numbers(units_apart(cells)[0] if one.units_behind else cells, sheet.decimal, thousands)
             read.words[role] = _in_words(one, plain)
             if role == "time":
                 plain = _onward(plain, COUNTERS, one.column, read)
@@ -100,8 +100,8 @@ def _each_converted(one: Taken, plain: np.ndarray, frame: pd.DataFrame, read: Re
     """Numbers in our unit, each from the unit that stands behind or beside it."""
     assert one.unit is not None
     assert one.units is not None
-    cells, behind = frame[one.units.number], one.units.number == one.column.number
-    texts = (units_apart(cells)[1] if behind else cells.astype("string").str.strip()).fillna("")
+    cells = frame[one.units.number]
+    texts = (units_apart(cells)[1] if one.units_behind else cells.astype("string").str.strip()).fillna("")
     found = np.full(len(plain), np.nan)
     for text in texts.unique():
         unit, here = unit_of(text, (one.unit.quantity,)), (texts == text).to_numpy(dtype=bool)
@@ -109,7 +109,7 @@ def _each_converted(one: Taken, plain: np.ndarray, frame: pd.DataFrame, read: Re
             found[here] = unit.converted(plain[here])
     wrong = np.flatnonzero(np.isnan(found) & np.isfinite(plain))
     want = f"a unit of {one.role}" if one.may_change else f"{one.unit.symbol}, as {one.unit_from} says"
-    _note(read, one.units, cells, int(wrong[0]) if wrong.size else None, "a number with " * behind + want)
+    _note(read, one.units, cells, int(wrong[0]) if wrong.size else None, "a number with " * one.units_behind + want)
     return found
 
 
@@ -185,7 +185,7 @@ def previewed(sheet: Sheet, choice: Choice, thousands: str | None = None) -> dic
             words[role] = "dates and times, in seconds from the first" if is_date else ""
             continue
         text = pd.Series(cells, dtype="string")
-        values, _ = numbers(units_apart(text)[0] if one.units else text, sheet.decimal, thousands)
+        values, _ = numbers(units_apart(text)[0] if one.units_behind else text, sheet.decimal, thousands)
         there = np.isfinite(values).any()
         words[role] = conversion(_example(values), one.unit) if there else "no number at the top of the file"
     return words

@@ -80,6 +80,14 @@ def test_the_unit_may_stand_in_the_cells(tmp_path, strain, form, resistance, oth
     _check(import_csv(_written(tmp_path / "b.csv", [names, *commas]), WISH).recording, resistance=True)
 
 
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_a_unit_beside_numbers_with_decimal_commas(tmp_path, separator):
+    """Of what pandas had read as a number already, the point parted thousands: 1.234 kΩ were 1 234."""
+    rows = [row.replace(";", separator).replace(".", ",") for row in _rows("{};{};{};{};kOhm", T, X, F, R / 1e3)]
+    names = "Zeit [s];Weg [mm];Kraft [N];Widerstand;Einheit".replace(";", separator)
+    _check(import_csv(_written(tmp_path / "meter.csv", [names, *rows]), WISH).recording, resistance=True)
+
+
 def test_each_cell_counts_in_its_own_unit_and_one_without_is_refused(tmp_path):
     cells = [f"{ohm:g} Ohm" if n % 2 else f"{ohm / 1e3:.6f} kOhm" for n, ohm in enumerate(R)]
     rows = [f"{t},{x},{f},{cell}" for t, x, f, cell in zip(T, X, F, cells, strict=True)]
