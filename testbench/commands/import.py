@@ -30,8 +30,8 @@ UNITS = (
     ("time", "s, ms, us, min, h, d, or date for dates and times"),
     ("displacement", "mm, um, cm, m, in"),
     ("strain", "1, %%, ‰, µε"),
-    ("force", "N, mN, cN, daN, kN, gf, kgf, lbf, ozf"),
-    ("resistance", "ohm, mohm, kohm, Mohm"),
+    ("force", "N, mN, uN, cN, daN, kN, gf, kgf, lbf, ozf"),
+    ("resistance", "ohm, mohm, kohm, Mohm, Gohm"),
     ("conductance", "S, mS, uS, nS"),
     ("temperature", "C, K, F"),
     ("relative", "1, %%, ‰, µε; of a ratio such as R/R0 1 where nothing says another"),
@@ -77,7 +77,7 @@ def _add_columns(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--rest-ohm", "--r0-ohm", dest="r0_ohm", type=positive, metavar="R0", help="R0 of the relative ones"
     )
-    group.add_argument("--repeat", type=int, metavar="N", help="of several repeats in the file, this one")
+    group.add_argument("--repeat", metavar="N", help="of several repeats or specimens in the file, this one")
 
 
 def _add_units(parser: argparse.ArgumentParser) -> None:

@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
 from testbench.importing.choice import NAMED, UNIT_FLAGS, Choice, Taken, Trouble
 from testbench.importing.layout import Column
 from testbench.importing.vocabulary.headings import unit_behind
-from testbench.importing.vocabulary.laboratory_units import Unit, given_unit, units_spelt
+from testbench.importing.vocabulary.laboratory_units import Unit, given_unit, unit_of, units_spelt
+from testbench.importing.vocabulary.notation import WHOLE_CLOCKS, is_day, is_short_clock, is_when
 from testbench.importing.vocabulary.roles import ROLES
 from testbench.importing.wish import Wish
 
 DATE = "date"
+Kinds = Mapping[Callable[[str], bool], set[int]]  # numbers of the columns most of whose cells are of a kind
 
 
-def take(choice: Choice, role: str, column: Column, clock: Column | None, wish: Wish, when: set[int]) -> None:
+def take(choice: Choice, role: str, column: Column, clock: Column | None, wish: Wish, kinds: Kinds) -> None:
     """Settle the unit of a column."""
     given = wish.units.get(role)
-    if role == "time" and (given == DATE or (given is None and column.number in when)):
+    if role == "time" and column.number in kinds[is_short_clock]:
+        if short := _short(given, column, kinds[is_day]):
+            choice.taken[role] = Taken(role, column, None, "its times", short=short)
+            return
+        column = replace(column, unit_text=column.unit_text or "h:min or min:s")
+    if role == "time" and (given == DATE or (given is None and column.number in kinds[is_when])):
         choice.taken[role] = Taken(role, column, None, "its dates")
         return
     from_file = _unit_in_file(role, column)
@@ -38,6 +48,14 @@ def take(choice: Choice, role: str, column: Column, clock: Column | None, wish: 
     choice.taken[role] = Taken(role, column, from_file, where, clock)
     if role.startswith("relative") and wish.r0_ohm is None:
         choice.troubles.append(Trouble("r0", role, (column,)))
+
+
+def _short(given: str | None, column: Column, days: set[int]) -> str:
+    """What the first number of ``12:01`` counts, hours or minutes, as somebody or the file says; empty where none."""
+    unit = unit_of(given, ("time",)) if given else column.heading.unit(column.unit_text)
+    if given == DATE or (unit is None and not given and days - {column.number}):
+        return "h"
+    return unit.symbol if unit and unit.symbol in WHOLE_CLOCKS else ""
 
 
 def _unit_in_file(role: str, column: Column) -> Unit | None:

@@ -10,7 +10,7 @@ from testbench.importing.vocabulary.roles import ROLES
 
 ELECTRICAL = ("resistance", "conductance", "relative", "relative_change")
 NOT_THERE = "none"
-NAMED = "its name"
+NAMED, ITS_CELLS = "its name", "its cells"
 FLAGS = {role: f"--{role.replace('_', '-')}" for role in ROLES} | {"relative": "--relative-resistance"}
 UNIT_FLAGS = {role: f"--{role}-unit" for role in ROLES if not role.startswith("relative")}
 UNIT_FLAGS |= {"relative": "--relative-unit", "relative_change": "--relative-unit"}
@@ -33,8 +33,10 @@ class Taken:
         The column of its own times, where that is another one than `time`'s.
     days : Column or None
         The column of the days that times of day are of.
+    short : str
+        What the first number of times such as ``12:01`` counts, ``h`` or ``min``; empty where they are none such.
     units : Column or None
-        The column beside it that says the unit of each row, as multimeters write it.
+        The column that says the unit of each row: itself, or one beside it, as multimeters write it.
     """
 
     role: str
@@ -44,11 +46,22 @@ class Taken:
     clock: Column | None = None
     days: Column | None = None
     units: Column | None = None
+    short: str = ""
 
     @property
     def columns(self) -> tuple[Column, ...]:
         """All columns that it is read from."""
         return tuple(column for column in (self.column, self.clock, self.days, self.units) if column)
+
+    @property
+    def units_behind(self) -> bool:
+        """Whether the unit of each row stands behind its number, in the same cell."""
+        return self.units is not None and self.units.number == self.column.number
+
+    @property
+    def may_change(self) -> bool:
+        """Whether its unit is that which the first row says, so that others may say another."""
+        return self.units is not None and self.unit_from in (self.units.label, ITS_CELLS)
 
 
 @dataclass(frozen=True)

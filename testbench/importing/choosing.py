@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 from gcode.support.errors import UserError
 from testbench.importing.by_name import prefer, searched
-from testbench.importing.by_unit import take
-from testbench.importing.choice import ELECTRICAL, NOT_THERE, Choice, Trouble
+from testbench.importing.by_unit import Kinds, take
+from testbench.importing.choice import ELECTRICAL, ITS_CELLS, NOT_THERE, Choice, Trouble
 from testbench.importing.clocks import own_clocks
 from testbench.importing.layout import Column, Layout, column_of, count_numbers, width_of, words_in
 from testbench.importing.vocabulary.laboratory_units import unit_of, units_spelt
-from testbench.importing.vocabulary.notation import is_day, is_time_of_day, is_when
+from testbench.importing.vocabulary.notation import is_day, is_short_clock, is_time_of_day, is_when, unit_in
 from testbench.importing.vocabulary.roles import ROLES, STRETCH
 from testbench.importing.wish import Wish
 
@@ -47,39 +46,44 @@ def choose(layout: Layout, rows: Sequence[Sequence[str]], wish: Wish) -> Choice:
     prefer(picked, choice, wish)
     if len(times) > 1:
         clocks = _several_clocks(times, picked, choice, clocks)
-    when = _columns_of(layout, rows, is_when)
+    asked = (is_when, is_time_of_day, is_short_clock, is_day)
+    kinds: Kinds = {kind: _columns_of(layout, rows, kind) for kind in asked}
     for role in ROLES:
         if role in picked:
-            take(choice, role, picked[role], clocks.get(role), wish, when)
+            take(choice, role, picked[role], clocks.get(role), wish, kinds)
     for role, one in choice.taken.items():
-        beside, unit = units.get(one.column.number, (None, ""))
-        if beside and one.unit and unit_of(unit, (one.unit.quantity,)):
-            choice.taken[role] = replace(one, units=beside)
+        where, unit = units.get(one.column.number, (None, ""))
+        if where and one.unit and unit_of(unit, (one.unit.quantity,)):
+            choice.taken[role] = replace(one, units=where)
     _check_enough(choice, wish)
     choice.unused = _unused(choice, layout)
-    _join_days(choice, layout, rows)
+    _join_days(choice, layout, kinds)
     return choice
 
 
 def _with_units_beside(layout: Layout, rows: Sequence[Sequence[str]]) -> tuple[Layout, dict[int, tuple[Column, str]]]:
-    """Columns with the unit that stands beside each of their numbers, as multimeters write it (``4.7,kOhm``).
+    """Columns with the unit that stands behind or beside each of their numbers (``7.8 %``, ``4.7,kOhm``).
 
     Returns
     -------
     layout : Layout
         Columns without a unit have that of the first row that says one.
     units : dict of int to (Column, str)
-        By the number of a column: the one right of it that says its units, and the first of them.
+        By the number of a column: the one that says its units, itself or the one right of it, and the first of them.
     """
     body = [row for row in rows[layout.first_row - 1 :] if width_of(row)]
     units, columns = {}, list(layout.columns)
-    for place, (column, beside) in enumerate(pairwise(layout.columns)):
-        cells = [row[place + 1] for row in body if len(row) > place + 1 and count_numbers([row[place]])]
-        said = [cell for cell in cells if words_in([cell]) and _may_be_of(cell, column)]
-        if 2 * len(said) > len(body):
-            units[column.number] = beside, said[0]
-            if not column.unit_text:
-                columns[place] = replace(column, unit_text=said[0], unit_from=beside.label)
+    for place, column in enumerate(layout.columns):
+        cells = [row[place : place + 2] for row in body if count_numbers(row[place : place + 1])]
+        behind = [unit_in(cell) for cell, *_ in cells]
+        beside = [cell for _, *others in cells for cell in others if words_in([cell]) and _may_be_of(cell, column)]
+        for where, texts in zip(layout.columns[place : place + 2], (behind, beside), strict=False):
+            said = list(filter(None, texts))
+            if 2 * len(said) > len(body):
+                units[column.number] = where, said[0]
+                if not column.unit_text:
+                    label = ITS_CELLS if where is column else where.label
+                    columns[place] = replace(column, unit_text=said[0], unit_from=label)
     return replace(layout, columns=tuple(columns)), units
 
 
@@ -94,7 +98,7 @@ def _unused(choice: Choice, layout: Layout) -> tuple[Column, ...]:
     return tuple(column for column in layout.columns if id(column) not in used | open_ones)
 
 
-def _join_days(choice: Choice, layout: Layout, rows: Sequence[Sequence[str]]) -> None:
+def _join_days(choice: Choice, layout: Layout, kinds: Kinds) -> None:
     """Where the time is one of day, its days are in a column of dates beside it, if there is one.
 
     Raises
@@ -105,10 +109,8 @@ def _join_days(choice: Choice, layout: Layout, rows: Sequence[Sequence[str]]) ->
     time = choice.taken.get("time")
     if time is None or time.unit is not None:
         return
-    clocks = _columns_of(layout, rows, is_time_of_day)
-    dates = _columns_of(layout, rows, is_day)
-    days = [column for column in choice.unused if column.number in dates]
-    if time.column.number not in clocks or not days:
+    days = [column for column in choice.unused if column.number in kinds[is_day]]
+    if not (time.short == "h" or time.column.number in kinds[is_time_of_day]) or not days:
         return
     if len(days) > 1:
         labels = " and ".join(column.label for column in days)

@@ -17,12 +17,13 @@ from testbench.importing.trouble_words import unit_unknown
 from testbench.importing.vocabulary.headings import read_heading
 from testbench.importing.vocabulary.laboratory_units import OURS, Unit, conversion, unit_of
 from testbench.importing.vocabulary.notation import (
-    is_number,
-    is_when,
+    is_value,
     may_be_thousands,
     numbers,
     seconds,
     seconds_of_days,
+    units_apart,
+    whole_clocks,
     why_unclear,
 )
 
@@ -83,11 +84,11 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
         if one.unit is None:
             found = _moments(one, cells, frame, read)
         else:
-            plain, wrong = numbers(cells, sheet.decimal, thousands)
+            plain, wrong = numbers(units_apart(cells)[0] if one.units_behind else cells, sheet.decimal, thousands)
             read.words[role] = _in_words(one, plain)
             if role == "time":
                 plain = _onward(plain, COUNTERS, one.column, read)
-            found = _converted(one, plain, frame, read)
+            found = _each_converted(one, plain, frame, read) if one.units else one.unit.converted(plain)
             _note(read, one.column, cells, wrong, "a number", sheet.decimal)
         read.values[role] = found
         if one.clock is not None:
@@ -95,28 +96,28 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
     return read
 
 
-def _converted(one: Taken, plain: np.ndarray, frame: pd.DataFrame, read: Read) -> np.ndarray:
-    """Numbers in our unit; each from the unit that stands beside it, where a column says the units."""
+def _each_converted(one: Taken, plain: np.ndarray, frame: pd.DataFrame, read: Read) -> np.ndarray:
+    """Numbers in our unit, each from the unit that stands behind or beside it."""
     assert one.unit is not None
-    if one.units is None:
-        return one.unit.converted(plain)
-    texts = frame[one.units.number].astype("string").str.strip()
+    assert one.units is not None
+    cells = frame[one.units.number]
+    texts = (units_apart(cells)[1] if one.units_behind else cells.astype("string").str.strip()).fillna("")
     found = np.full(len(plain), np.nan)
-    for text in texts.dropna().unique():
-        unit, here = unit_of(text, (one.unit.quantity,)), (texts == text).fillna(False).to_numpy(dtype=bool)
-        if unit and (unit == one.unit or one.unit_from == one.units.label):
+    for text in texts.unique():
+        unit, here = unit_of(text, (one.unit.quantity,)), (texts == text).to_numpy(dtype=bool)
+        if unit and (unit == one.unit or one.may_change):
             found[here] = unit.converted(plain[here])
     wrong = np.flatnonzero(np.isnan(found) & np.isfinite(plain))
-    want = (
-        f"a unit of {one.role}" if one.unit_from == one.units.label else f"{one.unit.symbol}, as {one.unit_from} says"
-    )
-    _note(read, one.units, texts, int(wrong[0]) if wrong.size else None, want)
+    want = f"a unit of {one.role}" if one.may_change else f"{one.unit.symbol}, as {one.unit_from} says"
+    _note(read, one.units, cells, int(wrong[0]) if wrong.size else None, "a number with " * one.units_behind + want)
     return found
 
 
 def _moments(one: Taken, cells: pd.Series, frame: pd.DataFrame, read: Read) -> np.ndarray:
     """Dates and times, or times of day with the days beside them, in s."""
     of_days = ""
+    if one.short:
+        cells = whole_clocks(cells, one.short)
     if one.days is None:
         found, wrong = seconds(cells)
     else:
@@ -142,7 +143,7 @@ def _check_one_table(sheet: Sheet, columns: Sequence[Column], frame: pd.DataFram
         if cells.dtype.kind not in "fiumM":
             text = cells.astype("string").str.strip()
             lettered = text[text.str.contains(_LETTER, na=False)].unique()
-            words = [word for word in lettered if not (is_number(word) or is_when(word))]
+            words = [word for word in lettered if not is_value(word)]
             worded += text.isin(words).to_numpy(dtype=bool)
             speaking += text.isin([word for word in words if _is_another_name(word, column)]).to_numpy(dtype=bool)
     taken = frame[[column.number for column in columns]]
@@ -183,7 +184,8 @@ def previewed(sheet: Sheet, choice: Choice, thousands: str | None = None) -> dic
             is_date = one.unit_from and role == "time"
             words[role] = "dates and times, in seconds from the first" if is_date else ""
             continue
-        values, _ = numbers(pd.Series(cells, dtype="string"), sheet.decimal, thousands)
+        text = pd.Series(cells, dtype="string")
+        values, _ = numbers(units_apart(text)[0] if one.units_behind else text, sheet.decimal, thousands)
         there = np.isfinite(values).any()
         words[role] = conversion(_example(values), one.unit) if there else "no number at the top of the file"
     return words

@@ -24,6 +24,7 @@ from testbench.importing.rows import (
     channels_of,
     check_change,
     in_order,
+    labels_in,
     mostly_one_gap,
     repeats_of,
     usable,
@@ -34,7 +35,6 @@ from testbench.importing.signs import doubts, turned, zeroed
 from testbench.importing.tables_above import left_out, passed_over
 from testbench.importing.trouble_words import idle_words, in_words
 from testbench.importing.vocabulary.laboratory_units import units_spelt
-from testbench.importing.vocabulary.notation import numbers
 from testbench.importing.vocabulary.roles import STRETCH, counts_repeats, speaks_about
 from testbench.importing.wish import Wish
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
@@ -145,8 +145,8 @@ def _parts(sheet: Sheet, choice: Choice, wish: Wish, read: Read, time_s: np.ndar
         return whole
     for column in counters:
         frame = sheet.body([column.number])
-        counter, _ = numbers(frame[column.number], sheet.decimal)
-        parts = repeats_of(counter[read.rows - sheet.layout.first_row], time_s)
+        labels = labels_in(frame[column.number], sheet.decimal)
+        parts = repeats_of(labels[read.rows - sheet.layout.first_row], time_s)
         if parts and wish.repeat is None:
             return parts
         chosen = [part for part in parts if part[0] == str(wish.repeat)]

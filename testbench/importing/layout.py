@@ -9,11 +9,13 @@ from statistics import mode
 from gcode.support.errors import UserError
 from testbench.importing.vocabulary.headings import Heading, power_of_ten, read_heading
 from testbench.importing.vocabulary.laboratory_units import units_spelt
-from testbench.importing.vocabulary.notation import MISSING, is_number, is_when
+from testbench.importing.vocabulary.notation import MISSING, is_value, unit_in
 
 Rows = Sequence[Sequence[str]]
 SHOWN = 60  # characters of a name in a message
 TOP_ROWS = 50  # of numbers that tell how wide a table is
+LABVIEW_TIME = "X_Value (Time) [s]"  # what X_Value is, a .lvm says in rows of its own
+COMMENT_SIGNS = {"#", "%", "//"}  # of NumPy, MATLAB and others, in a cell of their own where blanks part them
 LOOK_UP = 8  # filled rows above the numbers in which names and units are looked for
 
 
@@ -139,13 +141,15 @@ def width_of(cells: Sequence[str]) -> int:
 
 
 def _of_table(cells: Sequence[str], width: int) -> Sequence[str]:
-    """A row without what stands beside a table of this width, behind an empty cell."""
+    """A row without the sign of a comment before it, and what stands beside a table of this width, behind a gap."""
+    if width_of(cells) > width and cells[0].strip() in COMMENT_SIGNS:
+        cells = cells[1:]
     return cells if cells[width : width + 1] != [""] else cells[:width]
 
 
 def count_numbers(cells: Sequence[str]) -> int:
     """How many cells are numbers, or dates and times."""
-    return sum(is_number(cell) or is_when(cell) for cell in cells)
+    return sum(map(is_value, cells))
 
 
 def words_in(cells: Sequence[str]) -> set[int]:
@@ -200,8 +204,10 @@ def _has_more_beside(cells: Sequence[str], first: Sequence[str]) -> bool:
 
 
 def _is_alike(cells: Sequence[str], first: Sequence[str]) -> bool:
-    """Whether a row is one of numbers, as wide as the first of its run."""
-    return is_data(cells) and abs(len(cells) - len(first)) <= 1
+    """Whether a row is one of numbers, as wide as the first of its run, with units in its cells if that has some."""
+    if not is_data(cells) or abs(len(cells) - len(first)) > 1:
+        return False
+    return any(map(unit_in, cells)) == any(map(unit_in, first))
 
 
 def _goes_on(rows: Rows, begin: int, place: int) -> bool:
@@ -222,15 +228,21 @@ def _goes_on(rows: Rows, begin: int, place: int) -> bool:
 
 
 def _above(rows: Rows, start: int, width: int) -> list[int]:
-    """Rows right above the numbers that fit over them, the nearest first; blank rows are passed over."""
+    """Rows above the numbers that fit over them, the nearest first; blank rows are passed over.
+
+    So are lines and remarks; above those, a row must speak to be one of names or units.
+    """
     found: list[int] = []
+    passed = False
     places = [place for place in range(start - 1, -1, -1) if width_of(rows[place])]
     for place in places[:LOOK_UP]:
         filled = sum(bool(cell.strip()) for cell in rows[place])
-        too_wide = width_of(_of_table(rows[place], width)) > width + 1
-        if not (2 * filled > width or width <= 2 or _speaks(rows[place])) or too_wide:
+        if width_of(_of_table(rows[place], width)) > width + 1:
             break
-        found.append(place)
+        if _speaks(rows[place]) or (not passed and (2 * filled > width or width <= 2)):
+            found.append(place)
+        else:
+            passed = True
     return found
 
 
@@ -261,22 +273,26 @@ def _units_between(rows: Rows, header: int | None, start: int, width: int) -> in
     known = next((place for place in above if _is_units(rows[place]) and place + 1 != header), None)
     if known is not None:
         return known + 1
-    between = [place for place in range(header or start, start) if width_of(rows[place])]
+    between = [place for place in above if place >= (header or start)]
     return between[0] + 1 if header and len(between) == 1 else None
 
 
 def _columns(rows: Rows, header: int | None, units_row: int | None, start: int) -> tuple[Column, ...]:
     width = _usual_width(_numbers_of(rows, start))
     names, units = (_of_table(rows[row - 1], width) if row else [] for row in (header, units_row))
+    if ["X_Dimension", "Time"] in [list(cells[:2]) for cells in rows[: (header or 1) - 1]]:
+        names = [name.replace("X_Value", LABVIEW_TIME) for name in names]
     width = max(width, width_of(names))
-    return tuple(_column(place + 1, _cell(names, place), _cell(units, place), units_row) for place in range(width))
+    cells = ((_cell(names, place), _cell(units, place)) for place in range(width))
+    return tuple(column_named(number, *both, units_row) for number, both in enumerate(cells, 1))
 
 
 def _cell(cells: Sequence[str], place: int) -> str:
     return cells[place].strip() if place < len(cells) else ""
 
 
-def _column(number: int, name: str, below: str, units_row: int | None) -> Column:
+def column_named(number: int, name: str, below: str = "", units_row: int | None = None) -> Column:
+    """A column by its name, and what the row of units has below it."""
     heading = read_heading(name)
     bare = below.strip("[](){}<> ").strip()
     if not bare or (heading.unit(heading.unit_text) and bare == "-"):

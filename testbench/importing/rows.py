@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.importing.choice import Choice
 from testbench.importing.clocks import FAR
+from testbench.importing.vocabulary.notation import numbers
 from testbench.importing.wish import Wish
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME
 from testbench.recordings.checks import such, within
 
+if TYPE_CHECKING:
+    import pandas as pd
+
 REVERSIBLE = frozenset(("resistance", "conductance"))  # negative where the sense leads are the other way round
+LONGEST_LABEL = 60  # characters of a repeat's name, which stands in that of its file
 MORE = 10  # rows that follow where another recording begins
 # Where more of the rows than this are negative, the sign is wrong; where their times repeat, the time is rounded.
 MOSTLY = 0.5
@@ -215,22 +221,32 @@ def zero_set_anew(channels: Mapping[str, np.ndarray], rows: np.ndarray) -> list[
     ]
 
 
-def repeats_of(counter: np.ndarray, time_s: np.ndarray) -> list[tuple[str, np.ndarray]]:
-    """Repeats that a column numbers, where the time starts again with each; empty where it does not.
+def labels_in(cells: pd.Series, decimal: str) -> np.ndarray:
+    """What a column calls the repeat of each row, shape (n,): a whole number or a name; empty where neither."""
+    counter, _ = numbers(cells, decimal)
+    words = cells.astype("string").fillna("").str.strip().str.replace(r"[^\w.]+", "-", regex=True).str[:LONGEST_LABEL]
+    whole, named = counter == np.round(counter), np.isnan(counter)
+    return np.where(whole, [f"{number:.0f}" for number in counter], np.where(named, words.to_numpy(str), ""))
+
+
+def repeats_of(labels: np.ndarray, time_s: np.ndarray) -> list[tuple[str, np.ndarray]]:
+    """Repeats that a column numbers or names, where the time starts again with each; empty where it does not.
 
     Parameters
     ----------
-    counter, time_s : ndarray, each shape (n,)
+    labels, time_s : ndarray, each shape (n,)
+        See `labels_in`; and the times.
 
     Returns
     -------
     list of (label, rows)
-        The number of the repeat, and which rows are its.
+        The number or name of the repeat, and which rows are its.
     """
     restarts = np.flatnonzero(np.diff(time_s) < 0)
-    changes = np.flatnonzero(np.diff(counter) != 0)
-    whole = np.isfinite(counter).all() and (counter == np.round(counter)).all()
-    numbers = list(dict.fromkeys(counter.tolist()))
-    if not whole or not restarts.size or not set(restarts) <= set(changes) or len(numbers) != len(changes) + 1:
+    changes = np.flatnonzero(labels[1:] != labels[:-1])
+    names, counts = np.unique(labels, return_counts=True)
+    if not restarts.size or not set(restarts) <= set(changes) or len(names) != len(changes) + 1:
         return []
-    return [(f"{int(number)}", np.flatnonzero(counter == number)) for number in numbers]
+    if "" in names or counts.min() < 2:  # a number of each sample
+        return []
+    return [(str(label), np.flatnonzero(labels == label)) for label in dict.fromkeys(labels.tolist())]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from testbench.importing.choice import FLAGS, UNIT_FLAGS, Choice, Trouble
 from testbench.importing.layout import Column, Layout, described, shortened
-from testbench.importing.vocabulary.laboratory_units import symbols
+from testbench.importing.vocabulary.laboratory_units import symbols, unit_of
 from testbench.importing.vocabulary.roles import ROLES
 from testbench.importing.wish import Wish
 
@@ -64,7 +64,11 @@ def _in_words(trouble: Trouble) -> str:
         )
     if trouble.kind == "unit":
         allowed = ", ".join(symbols(ROLES[trouble.role])) + (", date" if trouble.role == "time" else "")
-        return f"{role} ({columns}): {unit_unknown(trouble.columns[0])}; say {UNIT_FLAGS[trouble.role]} ({allowed})"
+        said = f"{role} ({columns}): {unit_unknown(trouble.columns[0])}; say {UNIT_FLAGS[trouble.role]} ({allowed})"
+        if role == "resistance" and unit_of(trouble.columns[0].unit_text, ("ratio",)):
+            number = trouble.columns[0].number
+            said += f", or --relative-resistance {number} (R/R0) or --relative-change {number} ((R-R0)/R0)"
+        return said
     if trouble.kind == "r0":
         return (
             f"{role} ({columns}) needs the resistance at rest R0, which it is relative to: say --rest-ohm R0 in Ω "

@@ -35,8 +35,8 @@ class Wish(Unchanging):
         Roles whose sign is turned.
     zero : mapping of str to (str or None)
         Roles that are counted from their first sample (None), or from a value in the file's unit (or with its own).
-    repeat : int, optional
-        Of several repeats in the file, this one.
+    repeat : int or str, optional
+        Of several repeats or specimens in the file, this one, by its number or name.
     sort : bool
         Put rows in the order of time and drop repeated times.
     drop_bad : bool
@@ -59,7 +59,7 @@ class Wish(Unchanging):
     r0_ohm: float | None = None
     negate: frozenset[str] = frozenset()
     zero: Mapping[str, str | None] = field(default_factory=dict)
-    repeat: int | None = None
+    repeat: int | str | None = None
     sort: bool = False
     drop_bad: bool = False
     hints: Hints = field(default_factory=Hints)
@@ -79,7 +79,7 @@ class Wish(Unchanging):
                 raise UserError(
                     f"{name}: must be a positive number, got {value!r}; leave it out where it is not known"
                 )
-        if self.repeat is not None:
+        if self.repeat is not None and not isinstance(self.repeat, str):
             object.__setattr__(self, "repeat", whole("repeat", self.repeat, 0))
         for name in ("sort", "drop_bad"):
             object.__setattr__(self, name, flag(name, getattr(self, name)))

@@ -1,4 +1,4 @@
-"""A measurement at every so many points of its grid."""
+"""Makes fits quick: a measurement at every so many points of its grid, with the turns of the motion kept."""
 
 from __future__ import annotations
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,11 +14,13 @@ import numpy as np
 from gcode.support.errors import UserError
 from gcode.support.files import atomic_writer
 from gcode.support.kinds import path_of
+from gcode.support.strict import json_of, read_bytes, validated
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME, UNITS
 from testbench.recordings.checks import check, known_length, row_of_file
-from testbench.recordings.csv_columns import columns_of, listed, read_frame
+from testbench.recordings.csv_columns import MOST_BYTES, columns_of, listed, read_frame
 from testbench.recordings.doubts import say_once
 from testbench.recordings.recording import Recording
+from testbench.recordings.stored import StoredEvent
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -77,7 +80,32 @@ def _load_campaign(folder: Path, gauge_length_mm: float | None) -> Recording:
         own_mm = given_mm
     elif not np.isnan(given_mm) and given_mm != own_mm:
         say_once(f"{folder}: its manifest says a gauge length of {own_mm:g} mm, which is used, not {given_mm:g} mm")
-    return _recording(path, frame, own_mm, asdict(campaign))
+    recording = _recording(path, frame, own_mm, asdict(campaign))
+    for when_s in _reboots_s(folder):
+        _say_of_reboot(recording, when_s)
+    return recording
+
+
+def _reboots_s(folder: Path) -> list[float]:
+    """When the board began anew, as the events of a campaign tell; what cannot be read tells nothing."""
+    found = []
+    for path in folder.glob("*.jsonl"):
+        with suppress(UserError):
+            lines = read_bytes(path, "list of events", MOST_BYTES).decode("utf-8", "replace").splitlines()
+            reboots = [json_of(line, "event", path) for line in lines if '"reboot"' in line]
+            found += [validated(event, StoredEvent, path, "event").time_s for event in reboots]
+    return found
+
+
+def _say_of_reboot(recording: Recording, when_s: float) -> None:
+    """Say where a board began anew, which may count its displacement from where it stood then."""
+    at = int(np.searchsorted(recording.time_s, when_s))
+    if recording.has(DISPLACEMENT) and 0 < at < len(recording):
+        before_mm, after_mm = recording[DISPLACEMENT][at - 1 : at + 1]
+        say_once(
+            f"{recording.source}: the board began anew at {when_s:.4g} s, with a displacement of {after_mm:.4g} mm "
+            f"after {before_mm:.4g} mm: if its zero is where the board began, give the parts as two recordings"
+        )
 
 
 def verified(folder: Path) -> tuple[Path, Campaign]:

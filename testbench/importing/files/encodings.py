@@ -6,31 +6,33 @@ import codecs
 import re
 
 from gcode.support.errors import UserError
-from testbench.importing.vocabulary.roles import EASTERN_WORDS
+from testbench.importing.vocabulary.roles import accented_words_in
 
-_EASTERN = ("gb18030", "big5", "cp932", "cp949")
+# The Western one first, which others must have more names than.
+_BY_NAMES = ("cp1252", "cp1250", "cp1251", "cp850", "gb18030", "big5", "cp932", "cp949")
 _UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+MOST_LINES = 200  # of more than ASCII, in which names are looked for
 _NO_TEXT = re.compile(rb"[\0-\x08]")
 
 
 def encoding_of(raw: bytes) -> str | None:
     """The encoding of a file's first bytes; None where they are no text.
 
-    UTF-8 and UTF-16 show themselves. Of those of China, Japan and Korea, it is the one in which the text has names of
-    what we look for. Of the rest, GBK writes every Chinese character as two bytes above 0xA0, while the letters and
+    UTF-8 and UTF-16 show themselves. Of the others, it is the one in which the text has names of what we look for.
+    Where it has none, GBK writes every Chinese character as two bytes above 0xA0, while the letters and
     signs of Latin-1 (``ü``, ``µ``, ``°``) stand alone among plain letters. Single lines that are no text, as a serial
     port gives them before a board has begun to talk, leave the others one.
     """
-    if raw.startswith(_UTF16):
-        return "utf-16"
     if not is_text(raw):
+        if raw.startswith(_UTF16):
+            return "utf-16"
         even, odd = raw[0::2].count(0), raw[1::2].count(0)
         if max(even, odd) < 0.3 * len(raw) or min(even, odd) > 0.05 * len(raw):
             return None
         return "utf-16-le" if odd > even else "utf-16-be"
     if _decodes(raw, "utf-8-sig"):
         return "utf-8-sig"
-    names = {name: _names_in(raw, name) for name in _EASTERN}
+    names = {name: _names_in(raw, name) for name in _BY_NAMES}
     if any(names.values()):
         return max(names, key=lambda name: names[name])
     if _in_pairs(raw) and _decodes(raw, "gb18030"):
@@ -54,7 +56,7 @@ def _decodes(raw: bytes, encoding: str) -> bool:
 
 def _names_in(raw: bytes, encoding: str) -> int:
     text = raw.decode(encoding) if _decodes(raw, encoding) else ""
-    return sum(word in text for word in EASTERN_WORDS)
+    return len(accented_words_in("\n".join([line for line in text.splitlines() if not line.isascii()][:MOST_LINES])))
 
 
 def _in_pairs(raw: bytes) -> bool:

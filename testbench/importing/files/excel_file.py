@@ -15,7 +15,7 @@ from gcode.support import kinds
 from gcode.support.errors import UserError
 from testbench.importing.files import unpacking
 from testbench.importing.files.unpacking import BROKEN, check_unpacked
-from testbench.importing.layout import Column, find_layout
+from testbench.importing.layout import Column, count_numbers, find_layout
 from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
 from testbench.importing.vocabulary.laboratory_units import units_spelt
 from testbench.importing.vocabulary.notation import decimal_sign, is_number
@@ -79,6 +79,8 @@ def open_excel(path: Path, wanted: Sequence[str], hints: Hints) -> ExcelSheet:
             found[name] = (head, layout, rows)
     if not found:
         raise UserError(f"{path}: no rows of numbers in {_sheets(sheets)}; see --header-row")
+    if len(found) > 1:  # a sheet of settings has no more than one number a row
+        found = {name: one for name, one in found.items() if count_numbers(one[0][one[1].first_row - 1]) > 1} or found
     if len(found) > 1:
         raise UserError(f"{path}: {_sheets(found)} have tables; say which one with --sheet NAME")
     name, (head, layout, rows) = next(iter(found.items()))

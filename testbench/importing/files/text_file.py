@@ -7,7 +7,7 @@ import io
 import re
 from collections.abc import Mapping, Sequence, Set
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from statistics import mode
@@ -18,6 +18,7 @@ import numpy as np
 from gcode.support.errors import UserError
 from gcode.support.strict import blocks_of
 from testbench.importing.files.encodings import encoding_of, is_text, known_encoding
+from testbench.importing.files.named_cells import NamedCells, named_cells
 from testbench.importing.layout import (
     SHOWN,
     Layout,
@@ -29,7 +30,7 @@ from testbench.importing.layout import (
     words_in,
 )
 from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
-from testbench.importing.vocabulary.notation import decimal_sign, is_number, is_when
+from testbench.importing.vocabulary.notation import decimal_sign
 from testbench.recordings.csv_columns import MOST_COLUMNS, in_words
 from testbench.recordings.quoted import check_quotes
 
@@ -41,14 +42,16 @@ BLANKS = " "  # any number of blanks is one separator
 MOST_BROKEN = 60  # lines of a row whose quoted cells have line breaks
 # What may stand between names that have blanks themselves, where blanks part the numbers below them.
 BETWEEN_NAMES = (re.compile(r"\s*[,;|\t]\s*"), re.compile(r"\t+| {2,}"))
-# The monitors of Arduino and PlatformIO write when a line came, and an arrow before what came.
-STAMPED = r"(?m)^(\d{1,2}:\d{2}:\d{2}[.,]\d{3}) -?>[ \t]?"
+# Monitors of serial ports write when a line came, in brackets (Tera Term) or with an arrow behind it (Arduino).
+STAMPED = r"(?m)^\[?((?:\d{4}-\d{2}-\d{2}[ T])?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)(?:\]| -?>)[ \t]?"
 END_OF_TEXT = "\x1a"  # of DOS, which some loggers still write below the last row
 AFTER_A_UNIT = re.compile(r"(?<=[)\]])\s+")
 WORDS = re.compile(r'"[^"]*"|\S+')
 QUOTED = re.compile(r'"[^"\n]*"')
 # A spreadsheet leaves out the empty cells at the ends of rows in as many rows at once (Microsoft KB 77295).
 BLOCK_ROWS = 16
+
+Odd = Mapping[int, tuple[int, str | Sequence[str]]]  # rows, by place: number of cells, and the line or its cells
 
 
 class _Headed(io.TextIOBase):
@@ -58,14 +61,16 @@ class _Headed(io.TextIOBase):
     ----------
     lines : int
         Lines that were read below the header.
-    odd : dict of int to str
-        Those that have another number of cells than usual, blank ones aside, by place.
+    odd : dict of int to (int, str)
+        Those that have another number of cells than usual, blank ones aside, with that number, by place.
     """
 
-    def __init__(self, names: Sequence[int], separator: str, usual: int, stream: io.TextIOWrapper) -> None:
-        self._header = separator.join(map(str, names)) + "\n"
+    def __init__(
+        self, names: Sequence[int], separator: str, usual: int, stream: io.TextIOWrapper, named: NamedCells | None
+    ) -> None:
+        self._header, self._named = separator.join(map(str, names)) + "\n", named
         self._separator, self._usual, self._stream = separator, usual, stream
-        self.lines, self.odd = 0, dict[int, str]()
+        self.lines, self.odd = 0, dict[int, tuple[int, str]]()
 
     def read(self, size: int | None = -1) -> str:
         """The header at first, then what is in the stream, in whole lines."""
@@ -73,11 +78,12 @@ class _Headed(io.TextIOBase):
             self._header = ""
             return header
         text = _stamps_apart(self._stream.read(size) + self._stream.readline(), self._separator)
+        text = self._named.taken_out(text) if self._named else text
         lines = text.removesuffix("\n").split("\n") if text else []
         counts = _counts(lines, self._separator)
         if counts.count(self._usual) < len(lines):
             found = enumerate(zip(counts, lines, strict=True), self.lines)
-            self.odd |= {place: line for place, (count, line) in found if count != self._usual and line.strip()}
+            self.odd |= {place: one for place, one in found if one[0] != self._usual and one[1].strip()}
         self.lines += len(lines)
         return text
 
@@ -94,6 +100,7 @@ class TextSheet(Sheet):
 
     separator: str
     encoding: str
+    named: NamedCells | None = None
 
     @property
     def parts_sentences(self) -> bool:
@@ -122,7 +129,7 @@ class TextSheet(Sheet):
         with self.path.open(encoding=self.encoding) as stream:
             for place, line in enumerate(stream, 1 - self.layout.first_row):
                 if place in places and line.strip():
-                    cells = _split([line], self.separator)[0]
+                    cells = _split([self.named.taken_out(line) if self.named else line], self.separator)[0]
                     if any(number <= len(cells) and cells[number - 1].strip() for number in numbers):
                         found.append(place)
         return found if place + 1 == count else []
@@ -145,7 +152,7 @@ class TextSheet(Sheet):
         names = list(range(numbers[-1]))
         try:
             with self._opened() as stream:
-                headed = _Headed(names, self.separator, len(self._typical), stream)
+                headed = _Headed(names, self.separator, len(self._typical), stream, self.named)
                 frame = pd.read_csv(
                     headed,
                     sep=r"\s+" if self.separator == BLANKS else self.separator,
@@ -163,20 +170,21 @@ class TextSheet(Sheet):
             said = in_words(error, self.layout.first_row - 1)
             raise UserError(f"{self.path}: {said}; check the export, or name --separator") from None
         frame = frame.set_axis(numbers, axis=1)
-        odd = {place: _split([line], self.separator)[0] for place, line in headed.odd.items()}
+        odd: Odd = headed.odd
         if headed.lines > len(frame):  # some cell goes over several lines
             with self._opened() as stream:
                 check_quotes(self.path, stream, self.separator, self.layout.first_row, _has_numbers)
             with self._opened() as stream:
                 rows = csv.reader(stream, delimiter=self.separator, skipinitialspace=True)
-                odd = {place: cells for place, cells in enumerate(rows) if len(cells) not in (0, len(self._typical))}
+                found = ((place, (len(cells), cells)) for place, cells in enumerate(rows))
+                odd = {place: one for place, one in found if one[0] not in (0, len(self._typical))}
         if odd and (moved := self._moved(odd, frame)):
             gone = frame.index.isin(moved)
             frame = frame.apply(lambda column: column.mask(gone)).astype({numbers[0]: object})
             frame.loc[list(moved), numbers[0]] = list(moved.values())
         return frame
 
-    def _moved(self, odd: Mapping[int, Sequence[str]], frame: pd.DataFrame) -> dict[int, str]:
+    def _moved(self, odd: Odd, frame: pd.DataFrame) -> dict[int, str]:
         """Rows, by place, whose cells may stand in columns that are not theirs, as they came and in words.
 
         Where a row has more cells than there are columns, one was parted in two, as ``1,5`` is by commas, unless what
@@ -187,13 +195,16 @@ class TextSheet(Sheet):
         usual = len(self._typical)
         most = max(usual, len(self.layout.columns))
         last = np.flatnonzero(frame.notna().any(axis=1)).max(initial=0)
-        places, counts = np.array(list(odd)), np.array(list(map(len, odd.values())))
+        places, counts = np.array(list(odd)), np.array([count for count, _ in odd.values()])
         found = {}
         for run in np.split(places, np.flatnonzero((np.diff(places) != 1) | (np.diff(counts) != 0)) + 1):
             ends = len(run) >= (2 if run[-1] == last else BLOCK_ROWS) and self.separator != BLANKS
+            if ends and odd[int(run[0])][0] < usual:
+                continue
             for place in run.tolist():
-                cells, why = odd[place], ""
-                if len(cells) < usual and not ends and count_numbers(cells):
+                row, why = odd[place][1], ""
+                cells = _split([row], self.separator)[0] if isinstance(row, str) else row
+                if len(cells) < usual and count_numbers(cells):
                     why = f"fewer than {usual}"
                 elif len(cells) > most and not self._goes_beside(cells):
                     why = f"more than {most}"
@@ -224,15 +235,20 @@ def open_text(path: Path, wanted: Sequence[str], hints: Hints) -> TextSheet:
         If the file is missing, empty or no text, has no numbers, or it cannot be told what its decimal sign is.
     """
     encoding, lines = _head(path, hints.encoding)
-    found = _layouts(lines, [hints.separator] if hints.separator else SEPARATORS, wanted, hints)
+    found, named = _layouts(lines, [hints.separator] if hints.separator else SEPARATORS, wanted, hints), None
     if not any(len(layout.columns) > 1 for _, _, layout in found):
-        found = _layouts(lines, [hints.separator or BLANKS], wanted, hints) or found
+        if named := named_cells(lines):
+            lines = named.taken_out("\n".join(lines)).split("\n")
+            layouts = _layouts(lines, [named.separator], (), replace(hints, header_row=0, units_row=0))
+            found = [(separator, rows, named.put_above(layout)) for separator, rows, layout in layouts]
+        else:
+            found = _layouts(lines, [hints.separator or BLANKS], wanted, hints) or found
     if not found:
         raise UserError(f"{path}: {_no_numbers(lines, wanted, hints)}")
     separator, rows, layout = max(found, key=lambda one: _worth(one[1], one[2], wanted))
     decimal = hints.decimal_said or _decimal(path, rows, layout, separator)
     details = {"separator": separator, "decimal": decimal, "encoding": encoding.removesuffix("-sig")}
-    return TextSheet(path, rows, layout, decimal, details, separator, encoding)
+    return TextSheet(path, rows, layout, decimal, details, separator, encoding, named)
 
 
 def _layouts(
@@ -276,7 +292,9 @@ def _split(lines: Sequence[str], separator: str) -> list[list[str]]:
 
 def _stamps_apart(text: str, separator: str) -> str:
     """Lines of cells in which the stamp of a serial monitor is a cell of its own."""
-    return re.sub(rf"{STAMPED}(?=.*{re.escape(separator)})", rf"\1{separator}", text) if ">" in text else text
+    if ">" not in text and "]" not in text:
+        return text
+    return re.sub(rf"{STAMPED}(?=.*{re.escape(separator)})", rf"\1{separator}", text)
 
 
 def _at_blanks(line: str) -> list[str]:
@@ -318,7 +336,7 @@ def _worth(rows: Sequence[Sequence[str]], layout: Layout, wanted: Sequence[str])
     meanings = sum(bool(column.heading.roles) for column in layout.columns)
     data = [row for row in rows[layout.first_row - 1 :] if len(row) > 1 and is_data(row)]
     cells = [cell for row in data for cell in row if cell.strip()]
-    pure = sum(is_number(cell) or is_when(cell) for cell in cells) / max(1, len(cells))
+    pure = count_numbers(cells) / max(1, len(cells))
     return all(name in have for name in wanted), round(len(data) * pure, 1), meanings, len(layout.columns)
 
 
@@ -349,7 +367,7 @@ def _no_numbers(lines: Sequence[str], wanted: Sequence[str], hints: Hints) -> st
     filled = [line.strip() for line in lines if line.strip()]
     return (
         f"no rows of numbers in its first {len(lines)} lines, where cells hold nothing but a number each: a row is "
-        f"{shortened(filled[len(filled) // 2])!r}; names and units in the cells (t=0.1, 2 mm, JSON) belong into a "
-        "row above them; a table that begins further below is found where lines above it are taken out; else see "
+        f"{shortened(filled[len(filled) // 2])!r}; words and brackets in the cells are to be "
+        "taken out; a table that begins further below is found where lines above it are taken out; else see "
         "--separator, --encoding and --header-row"
     )

@@ -1,4 +1,4 @@
-"""What a workbook may unpack to: it is a zip of XML, and some kB of it may hold what fills any memory.
+"""Refuses a workbook that would fill the memory: it is a zip of XML, and some kB of it may hold any amount.
 
 The XML of a sheet is read row by row, everything else at once. So a sheet may be long, but no row of it, and the rest
 together may not. Sizes are counted while unpacking, not believed; nothing is kept.

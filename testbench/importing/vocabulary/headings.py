@@ -82,7 +82,7 @@ class Heading:
 def read_heading(text: str) -> Heading:
     """Part a header cell: ``Kraft [N]``, ``Weg / mm``, ``time_ms``, ``Load(Cell 1:Load) (N)``, ``# Zeit in s``."""
     plain = _COMMENT.sub("", plain_text(text[:LONGEST]).strip("\"'").strip())
-    plain = _MADE.sub(r" (\1)", plain).rstrip("_")
+    plain = _MADE.sub(r" (\1)", plain).rstrip("_").removesuffix("()")
     power = power_of_ten(plain)
     whole, unit_text = _unit_in_front(plain.replace(power, "", 1).strip() if power else plain)
     base = _without_brackets(whole)

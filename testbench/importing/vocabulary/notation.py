@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gcode.support import kinds
+from testbench.importing.vocabulary.laboratory_units import units_spelt
 from testbench.recordings.csv_columns import as_numbers
 
 if TYPE_CHECKING:
     import pandas as pd
 
-_EXPONENT = r"([eE][+-]?\d+)?"
+_EXPONENT = r"([eEdD][+-]?\d+)?"  # D of Fortran
 _POINT = re.compile(rf"^[+-]?(\d+\.?\d*|\.\d+){_EXPONENT}$")
 _COMMA = re.compile(rf"^[+-]?(\d+,?\d*|,\d+){_EXPONENT}$")
 # 1,234 may be a bit more than one, or a thousand and more.
@@ -24,6 +25,7 @@ _THOUSANDS = {
     ".": re.compile(rf"^[+-]?\d{{1,3}}((,\d{{3}})+|([{_APART}]\d{{3}})+)(\.\d*)?{_EXPONENT}$"),
     ",": re.compile(rf"^[+-]?\d{{1,3}}((\.\d{{3}})+|([{_APART}]\d{{3}})+)(,\d*)?{_EXPONENT}$"),
 }
+_UNIT = re.compile(r"(?<=[\d.,])\s*([^\d\s.,:;+-][^\d:]*)$")  # behind a number: 7.8 %, 4.7kOhm
 _SEPARATORS = {".": rf"[,{_APART}]", ",": rf"[.{_APART}]"}
 # Dates and times in their plain form, see `_plain_when`.
 _MONTHS = "Jan|Feb|Mar|Apr|May|Jun|Jul|Aug|Sep|Oct|Nov|Dec"
@@ -36,6 +38,10 @@ _DATE = re.compile(
 _CLOCK = re.compile(
     r"^(?:(?:(\d+) days? )?(\d{1,3}):(\d{2}):(\d{2}(?:\.\d+)?)(?: ?([AaPp])\.?[Mm]\.?)?|(\d{1,3}):(\d{2}\.\d+))$"
 )
+# 12:01: hours and minutes, or minutes and seconds; before AM or PM, it can be but the former.
+_SHORT_CLOCK = re.compile(r"^(\d{1,3}:\d{2})$")
+_BEFORE_HALF = re.compile(r"(?i)^(\d{1,2}:\d{2})(?= ?[ap]\.?m)")
+WHOLE_CLOCKS = {"h": r"\1:00", "min": r"0:\1"}  # of the unit before the colon
 # 01/03/2026, 01-03-26: the day or the month may come first, and of 26-03-01 even the year.
 _UNCLEAR_DAY = re.compile(r"^(\d{1,2}([/-])\d{1,2}\2\d{2}(?:\d{2})?)(?!\d)")
 _MIDNIGHT = re.compile(r"[T ]+0{1,2}:00(:00(\.0+)?)?$")
@@ -62,15 +68,38 @@ def is_number(text: str) -> bool:
     return bool(_POINT.match(text) or _COMMA.match(text)) or any(form.match(text) for form in _THOUSANDS.values())
 
 
+def unit_in(cell: str) -> str:
+    """The unit behind a number in its cell (``7.8 %``); empty where there is none."""
+    cell = cell.strip()
+    found = None if cell[-1:].isdigit() else _UNIT.search(cell)
+    return found[1] if found and units_spelt(found[1]) and is_number(cell[: found.start()]) else ""
+
+
+def is_value(text: str) -> bool:
+    """Whether a cell may be a number, alone or with its unit, or is a date or time."""
+    return is_number(text) or is_when(text) or is_short_clock(text) or bool(unit_in(text))
+
+
+def units_apart(cells: pd.Series) -> tuple[pd.Series, pd.Series]:
+    """Numbers and the units behind them; nothing where a cell has none."""
+    text = _texts(cells)
+    return text.str.replace(_UNIT, "", regex=True), text.str.extract(_UNIT)[0]
+
+
 def _plain_when(cell: str) -> str:
-    """A date or time with a point before parts of seconds, and without the name of its zone."""
-    return _ZONE.sub("", _BEFORE_PARTS.sub(r"\1.", cell.strip()))
+    """A date or time with seconds and a point before parts of them, and without the name of its zone."""
+    return _ZONE.sub("", _BEFORE_PARTS.sub(r"\1.", _BEFORE_HALF.sub(WHOLE_CLOCKS["h"], cell.strip())))
 
 
 def is_when(text: str) -> bool:
     """Whether a cell is a date, a date and time, or a time of day with seconds."""
     text = _plain_when(text)
     return bool(_DATE.match(text) or _CLOCK.match(text))
+
+
+def is_short_clock(text: str) -> bool:
+    """Whether a cell is a time of two numbers (``12:01``), of which it does not say what they count."""
+    return bool(_SHORT_CLOCK.match(text.strip()))
 
 
 def is_time_of_day(text: str) -> bool:
@@ -100,6 +129,7 @@ def decimal_sign(cells: Iterable[str]) -> str | None:
     """
     proofs, open_to_doubt = set(), False
     for cell in map(_with_hyphen, cells):
+        cell = cell.removesuffix(unit_in(cell)).rstrip()
         if "," not in cell and "." not in cell:
             continue
         if _EITHER.match(cell):
@@ -150,7 +180,7 @@ def numbers(cells: pd.Series, decimal: str, thousands: str | None = None) -> tup
     if decimal == ",":
         pointed = plain.str.contains(".", regex=False, na=False)
         plain = plain.mask(pointed, "?").str.replace(",", ".", regex=False)
-    values = pd.to_numeric(plain, errors="coerce")
+    values = pd.to_numeric(plain.str.replace(r"(?<=[\d.])[dD](?=[+-]?\d)", "e", regex=True), errors="coerce")
     if cells.dtype == object:  # beside texts, what is a number already has no decimal sign
         stored = cells.map(kinds.is_number)
         values = values.mask(stored, as_numbers(cells))
@@ -169,11 +199,16 @@ def _plain_whens(cells: pd.Series) -> pd.Series:
 
     Of one zone for all, nothing need be known: only the time between the cells counts.
     """
-    text = _texts(cells)
+    text = _texts(cells).str.replace(_BEFORE_HALF, WHOLE_CLOCKS["h"], regex=True)
     zones = text.str.extract(_ZONE.pattern)[0]
     if zones[text.notna()].nunique(dropna=False) > 1:
         text = text.mask(zones.notna(), "?")
     return text.str.replace(_BEFORE_PARTS, r"\1.", regex=True).str.replace(_ZONE, "", regex=True)
+
+
+def whole_clocks(cells: pd.Series, first: str) -> pd.Series:
+    """Times such as ``12:01`` with hours, minutes and seconds; the first of their numbers counts `first`."""
+    return _texts(cells).str.replace(_SHORT_CLOCK, WHOLE_CLOCKS[first], regex=True)
 
 
 def seconds(cells: pd.Series) -> tuple[np.ndarray, int | None]:

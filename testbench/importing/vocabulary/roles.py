@@ -1,8 +1,8 @@
 """The words that exports use for time, displacement, force and resistance, and which of these a column's name means.
 
-English, German and Chinese; the plain words of French, Italian, Spanish, Portuguese, Dutch, Polish, Japanese and
-Korean; and those of the testers: Standardweg and Standardkraft (testXpert), Extension and Load (Bluehill), Crosshead
-(MTS), Digital Position (WaveMatrix), Distance (Exponent).
+English, German and Chinese; the plain words of French, Italian, Spanish, Portuguese, Dutch, Polish, Czech, Swedish,
+Danish, Norwegian, Turkish, Russian, Japanese and Korean; and those of the testers: Standardweg and Standardkraft
+(testXpert), Extension and Load (Bluehill), Crosshead (MTS), Digital Position (WaveMatrix), Distance (Exponent).
 """
 
 from __future__ import annotations
@@ -36,15 +36,24 @@ def _words(text: str) -> tuple[str, ...]:
 # Whole words, without accents: English, and other languages that part their words. Of those, none that is another
 # thing in English or German (course: of a knit, charge: a batch).
 _WHOLE = {
-    "time": _words("time elapsed timestamp epoch clock seconds runtime temps tempo tiempo tijd czas"),
+    "time": _words(
+        "time elapsed timestamp epoch clock seconds runtime temps tempo tiempo tijd czas cas tid zaman время"
+    ),
     "displacement": _words(
-        "displacement displ disp extension elongation crosshead position pos stroke travel deflection distance "
-        "extensometer deplacement allongement spostamento corsa allungamento desplazamiento alargamiento deformation "
-        "deslocamento alongamento verplaatsing verlenging przemieszczenie wydluzenie"
+        "displacement displ disp extension ext elongation elong crosshead position pos stroke travel deflection "
+        "distance extensometer deplacement allongement spostamento corsa allungamento desplazamiento alargamiento "
+        "deformation deslocamento alongamento verplaatsing verlenging przemieszczenie wydluzenie "
+        "posunuti prodlouzeni forlangning forskjutning forlengelse forskyvning forlængelse uzama "
+        "перемещение удлинение"
     ),
     "strain": _words("strain odksztalcenie"),
-    "force": _words("force load loadcell effort forza carico fuerza carga forca kracht sila"),
-    "resistance": _words("resistance resistor res resistenza resistencia weerstand rezystancja opor"),
+    "force": _words(
+        "force load loadcell effort forza carico fuerza carga forca kracht sila kuvvet нагрузка усилие сила"
+    ),
+    "resistance": _words(
+        "resistance resistor resist res resistenza resistencia weerstand rezystancja opor odpor "
+        "resistans motstand modstand direnc сопротивление"
+    ),
     "conductance": _words("conductance conduttanza conductancia condutancia konduktancja"),
     "temperature": _words("temperature temp temperatura temperatuur"),
 }
@@ -61,13 +70,12 @@ _PARTS = {
     "conductance": _words("leitwert 电导 電導 コンダクタンス 컨덕턴스"),
     "temperature": _words("temperatur 温度 溫度 온도"),
 }
-EASTERN_WORDS = [word for words in _PARTS.values() for word in words if min(word) > "⺀"]
 _SYMBOLS = {
     "time": _words("t T"),
     "displacement": _words("x s u d dl Δl ΔL δ"),
     "strain": _words("ε eps epsilon"),
     "force": _words("F f"),
-    "resistance": _words("R r"),
+    "resistance": _words("R r Rs Rp Rdc"),  # the last as LCR meters write them
     "conductance": _words("G"),
     "temperature": _words("T ϑ θ"),
 }
@@ -91,7 +99,8 @@ _NOT_NOMINAL = _words("true log logarithmic hencky transverse lateral")
 _NOT_NOMINAL_PARTS = _words("quer wahre logarithm hencky 真 对数 對數 横 橫向 진변형 횡변형")
 _NOT_ALONE = _words("力矩 动力 動力 应力 應力 圧力 压力 壓力 入力 出力")
 _GENERIC = re.compile(
-    r"^(ch(annel)?|kanal|ai|analog(ue)?[ _]?in(put)?|sensor|signal|value|wert|column|spalte|y|通道)?[ _#.:-]*\d*$",
+    r"^(ch(annel)?|kanal|(\w+/)?ai|analog(ue)?[ _]?in(put)?|sensor|signal|value|wert|column|spalte|y|通道)?"
+    r"[ _#.:-]*\d*$",
     re.I,
 )
 _STROKED = str.maketrans("łŁ", "lL")  # a letter of its own, not an accent
@@ -103,6 +112,15 @@ CERTAIN, LIKELY, SYMBOL = 3, 2, 1
 def words_of(name: str) -> list[str]:
     """The words of a name, lower case, without accents: ``axialForce_cell 2`` gives axial, force, cell."""
     return [word.casefold() for word in _WORD.findall(_unaccented(name))]
+
+
+def accented_words_in(text: str) -> set[str]:
+    """Known words that are there as they are written in their language, by which its encoding can be told."""
+    words = {word for word in re.findall(r"[^\W\d_]+", text.casefold()) if not word.isascii()}
+    whole = {word for word in words if any(_unaccented(word) in known for known in _WHOLE.values())}
+    return whole | {
+        part for parts in _PARTS.values() for part in parts if not part.isascii() and part in text.casefold()
+    }
 
 
 def _unaccented(text: str) -> str:
@@ -192,9 +210,9 @@ def is_generic(base: str) -> bool:
     return bool(_GENERIC.match(base.strip()))
 
 
-REPEAT_WORDS = {"repeat", "repetition", "wiederholung", "pull", "run", "specimen", "probe", "cycle", "重复", "试样"}
+REPEAT_WORDS = set(_words("repeat repetition wiederholung pull run test specimen sample probe cycle 重复 试样"))
 
 
 def counts_repeats(base: str) -> bool:
-    """Whether a name may number the repeats of a test."""
+    """Whether a name may number or name the repeats of a test."""
     return any(word in REPEAT_WORDS for word in words_of(base)) or base.strip() in REPEAT_WORDS

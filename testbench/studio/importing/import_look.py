@@ -74,7 +74,7 @@ def unit_key(choice: Choice, role: str) -> str | None:
     taken = choice.taken.get(role)
     if taken is None or any(one.kind == "unit" and one.role == role for one in choice.troubles):
         return None
-    return taken.unit.symbol if taken.unit else "date"
+    return taken.unit.symbol if taken.unit else taken.short or "date"
 
 
 def still_to_say(choice: Choice, role: str) -> str:

@@ -299,7 +299,7 @@ SLIPS = {
         "elasticity.stiffness_N has no number [0]; it is 8.0",
     ),
     "a no that is a yes": (lambda: tb.Wish(sort="no"), "sort must be True or False, got 'no'"),
-    "a repeat in words": (lambda: tb.Wish(repeat="a"), "repeat must be a whole number, 0 or more, got 'a'"),
+    "half a repeat": (lambda: tb.Wish(repeat=1.5), "repeat must be a whole number, 0 or more, got 1.5"),
     "a row that is a truth": (
         lambda: tb.Hints(header_row=True),
         "`header_row` (counted from 1, 0: there is none) must be a whole number, 0 or more, got True",

@@ -37,13 +37,23 @@ WORDS = (
     "5%",
 )
 
+FORMS = (  # what stands above the cells, and in each: a number, alone or with its unit, or its name
+    ([["t[s]", "x[mm]", "F[N]"]], "{0}"),
+    ([["t", "x", "F"]], "{0}{2}"),
+    ([], "{1}_{2}:{0}"),
+)
+
 
 @st.composite
 def damaged(draw: st.DrawFn) -> str:
     """A table with a remark behind a row, a cell doubled in another, and in more one lost, exchanged or no number."""
     separator = draw(st.sampled_from([",", ";", "\t", "|", " "]))
     decimal = draw(st.sampled_from([".", ","])) if separator != "," else "."
-    rows = [[f"{TRUE[role][row]:.6f}".replace(".", decimal) for role in ROLES] for row in range(ROWS)]
+    header, cell = draw(st.sampled_from(FORMS))
+    texts = [[f"{TRUE[role][row]:.6f}".replace(".", decimal) for role in ROLES] for row in range(ROWS)]
+    rows = [
+        [cell.format(*both) for both in zip(texts, ("t", "x", "F"), ("s", "mm", "N"), strict=True)] for texts in texts
+    ]
     for damages, cells in enumerate(draw(st.lists(st.sampled_from(rows), min_size=2, max_size=4, unique_by=id))):
         at = draw(st.integers(0, len(cells) - 1))
         kind = ("remark", "double", draw(st.sampled_from(["word", "lost", "exchanged"])))[min(damages, 2)]
@@ -57,7 +67,7 @@ def damaged(draw: st.DrawFn) -> str:
             cells[at], cells[0] = "?" + cells[0], cells[at]
         else:
             del cells[at]
-    lines = [separator.join(cells) for cells in [["t[s]", "x[mm]", "F[N]"], *rows]]
+    lines = [separator.join(cells) for cells in [*header, *rows]]
     return draw(st.sampled_from(["\n", "\r\n", "\r"])).join(lines) + "\n"
 
 

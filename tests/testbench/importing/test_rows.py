@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from gcode.support.errors import UserError
+from testbench.importing.files import text_file
 from testbench.importing.from_file import import_csv
 from testbench.importing.wish import Wish
 
@@ -291,3 +292,13 @@ def test_names_and_units_are_shown_short(tmp_path, names, units, cell):
     with pytest.raises(UserError, match="x…") as caught:
         import_csv(path, Wish(40.0))
     assert len(str(caught.value)) < 300 + len(str(path))
+
+
+def test_rows_that_leave_out_what_is_empty_are_not_looked_at_one_by_one(tmp_path, monkeypatch):
+    """A file whose notes end early was read ten times as slowly."""
+    rows = [f"{n},{n % 7},{n % 5}{',x' * (n < 300)}" for n in range(1000)]
+    path = written(tmp_path, "\n".join(["Time (s),Extension (mm),Load (N),Note", *rows]))
+    lines, split = [], text_file._split
+    monkeypatch.setattr(text_file, "_split", lambda some, separator: lines.extend(some) or split(some, separator))
+    assert len(import_csv(path, Wish(40.0)).recording) == 1000
+    assert max(lines.count(row) for row in rows[300:]) == 0

@@ -200,3 +200,21 @@ def test_a_resistance_keeps_its_digits_however_small_it_is(tmp_path, ohm):
     channels = {"displacement_mm": np.zeros(50), "resistance_ohm": values}
     write_recording_csv(tmp_path / "r.csv", Recording(np.arange(50.0), channels, 25.0))
     assert read_recording(tmp_path / "r.csv", 25.0)["resistance_ohm"] == pytest.approx(values, rel=1e-6)
+
+
+def test_where_a_board_began_anew_is_said(tmp_path, caplog):
+    """Its encoder counts from there: the displacement jumped without a word."""
+    rows = "".join(f"{n / 10},{n % 40 / 10},{n}\n" for n in range(80))
+    (tmp_path / "a.csv").write_text("time_s,displacement_mm,force_N\n" + rows)
+    assert cli.main(["import", str(tmp_path / "a.csv"), "--gauge-length-mm", "40", "-o", str(tmp_path / "a")]) == 0
+    events = [
+        '{"event": "loss", "time_s": 1.5, "lost": 1}',
+        "{cut",
+        '{"event": "reboot", "time_s": 4.0, "from_s": 3.9}',
+    ]
+    for lines, told in ((events[:2], 0), (events, 1)):
+        (tmp_path / "a" / "events.jsonl").write_text("\n".join(lines))
+        assert len(read_recording(tmp_path / "a")) == 80
+        said = [record.message for record in caplog.records if "began anew" in record.message]
+        assert len(said) == told
+    assert "the board began anew at 4 s, with a displacement of 0 mm after 3.9 mm: if its zero is" in said[0]
