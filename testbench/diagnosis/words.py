@@ -1,13 +1,16 @@
-"""A diagnosis as text for the terminal."""
+"""A diagnosis in words: the verdict, for the terminal and every page, and the terminal's table."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
 
 from testbench.comparing.carried_over import CLEARLY, changed, fails_elsewhere
 from testbench.comparing.tables import ladder_table
 from testbench.comparing.words import listed, percent, percent_left, spoken, still_off
 from testbench.diagnosis.judging.probabilities import NOTHING, UNKNOWN
 from testbench.diagnosis.judging.weighing import LEFT_AT_MOST
-from testbench.diagnosis.result import Diagnosis, Ranked
+from testbench.diagnosis.result import Diagnosis
 
 SHOWN = 6
 
@@ -18,7 +21,9 @@ def diagnosis_table(diagnosis: Diagnosis) -> str:
     title += ", mean of the channels (95 %)" if len(diagnosis.error_before) > 1 else " (95 %)"
     lines = [first_line(diagnosis), "", title]
     for place, entry in enumerate(diagnosis.ranking[:SHOWN], 1):
-        numbers = f"{percent(entry.probability):>11}{entry.log_evidence:>9.1f} nats  {_error_left(entry)}"
+        numbers = (
+            f"{percent(entry.probability):>11}{entry.log_evidence:>9.1f} nats  {_error_left(entry.held_out_gain)}"
+        )
         tied = "  (tied)" if entry.effect in diagnosis.tied else ""
         lines.append(f"{place:<6}{entry.effect:<26}{entry.law:<34}{numbers}{tied}")
     others = f"nothing is missing: {percent(diagnosis.probabilities[NOTHING])}"
@@ -32,89 +37,102 @@ def diagnosis_table(diagnosis: Diagnosis) -> str:
 
 
 def first_line(diagnosis: Diagnosis) -> str:
-    """All that was found, how sure that is, and what is left."""
-    chances = diagnosis.probabilities
-    if diagnosis.verdict == "nothing_missing":
-        return f"nothing is missing ({percent(chances[NOTHING])}){_bent(diagnosis)}{_held_out(diagnosis)}"
-    if diagnosis.verdict == "missing":
-        return f"missing: {_found(diagnosis)}; {_left(diagnosis.left)}{_where(diagnosis)}{_held_out(diagnosis)}"
-    first = diagnosis.ranking[0]
-    if first.probability > chances[UNKNOWN]:
-        return f"unknown: {_too_little(first)}{_depends(diagnosis)}"
-    said = f"unknown ({percent(chances[UNKNOWN])}): structure remains that no effect of the catalogue explains"
+    """The verdict on one line."""
+    return "; ".join(verdict_clauses(diagnosis.to_dict()))
+
+
+def verdict_clauses(diagnosis: Mapping[str, Any]) -> list[str]:
+    """All that was found and how sure that is, what is left, and what speaks against it: a clause each.
+
+    Parameters
+    ----------
+    diagnosis : mapping
+        The JSON of ``testbench diagnose``.
+    """
+    if diagnosis["verdict"] == "unknown":
+        return _unknown(diagnosis)
+    history = diagnosis.get("history", ())
+    fails = fails_elsewhere(history, len(diagnosis["found"])) if history else ""
+    if diagnosis["verdict"] == "missing":
+        here = " in this recording" if fails else ""
+        said = [f"missing: {_found(diagnosis)}", f"{_left(diagnosis)} is left{_where(diagnosis)}{here}"]
+    else:
+        here = "in this recording" if fails else "that these recordings could show"
+        said = [f"nothing is missing {here} ({percent(diagnosis['probabilities'][NOTHING])})", *_bent(diagnosis)]
+    off = still_off(diagnosis["error_after"], diagnosis["noise_floor"])
+    but = fails or (off and f"{off}; a comparison shows where")
+    return [*said, f"but {but}"] if but else said
+
+
+def with_probability(diagnosis: Mapping[str, Any], effect: str) -> str:
+    """``stress relaxation (97 %)``: how probable it is that this is what is missing most."""
+    return f"{spoken(effect)} ({percent(diagnosis['probabilities'][effect])})"
+
+
+def _unknown(diagnosis: Mapping[str, Any]) -> list[str]:
+    """That no effect explains enough; of the first one, what it would leave."""
+    unknown, first = diagnosis["probabilities"][UNKNOWN], next(iter(diagnosis["ranking"]), None)
+    if first and first["probability"] > unknown:
+        probable = with_probability(diagnosis, first["effect"])
+        said = [f"unknown: {probable} is probable, but leaves {_share(first['error_share_left'])}"]
+        return said + _depends(diagnosis)
+    said = [f"unknown ({percent(unknown)}): something is missing that no effect of the catalogue explains"]
     return said + _depends(diagnosis) + _nearest(first)
 
 
-def _bent(diagnosis: Diagnosis) -> str:
-    """As which effect a law of the base is bent, if it is; that is no news, but it is what the base lacks."""
-    mechanism = diagnosis.bends_like
-    if not mechanism:
-        return ""
-    chance = percent(diagnosis.probabilities[mechanism])
-    return f", but a law of the base is bent as {spoken(mechanism)} ({chance}) would bend it"
-
-
-def _too_little(first: Ranked) -> str:
-    """What is said of a law that is probable, but explains less than half."""
-    probable = f"{spoken(first.effect)} ({percent(first.probability)}) is probable"
-    return f"{probable}, but leaves {_share(first.left)}"
-
-
-def _depends(diagnosis: Diagnosis) -> str:
-    if not diagnosis.depends_on:
-        return ""
-    channel, coordinate, share = diagnosis.depends_on[0]
-    return f", depends most on: {channel}: {coordinate} ({percent(share)} of it)"
-
-
-def _nearest(first: Ranked) -> str:
-    """What is said of the most probable law where none is probable: it may be a part of the answer."""
-    if first.held_out_gain is None or first.left > CLEARLY:
-        return ""
-    return f". The nearest is {spoken(first.effect)} ({first.law}), which would leave {_share(first.left)}"
-
-
-def _held_out(diagnosis: Diagnosis) -> str:
-    """What is said where the held-out error is not what the first words promise."""
-    off = still_off(diagnosis.error_after, diagnosis.noise_floor)
-    fails = fails_elsewhere(diagnosis.after.history, len(diagnosis.found))
-    if fails:
-        return f" in this recording, but {fails}"
-    return f"; but {off}: see `testbench compare`" if off else ""
-
-
-def _where(diagnosis: Diagnosis) -> str:
-    """In which channel most is left, where what was found explains another one."""
-    history = diagnosis.after.history
-    where = changed(history, len(diagnosis.found))
-    others = [c for c in history[-1]["errors"]["calibration"] if c not in where]
-    return f", nearly all of it in the {others[0]}" if others and diagnosis.left > LEFT_AT_MOST else ""
-
-
-def _found(diagnosis: Diagnosis) -> str:
-    words = [f"{spoken(one.effect)} ({percent(one.probability)})" for one in diagnosis.found]
-    first = diagnosis.found[0].effect
-    rivals = [
-        f"{spoken(name)} ({percent(diagnosis.probabilities[name])})" for name in diagnosis.tied if name != first
+def _depends(diagnosis: Mapping[str, Any]) -> list[str]:
+    most = [
+        f"{entry['channel']} on {spoken(entry['coordinate'])} ({percent(entry['gain'])} of it)"
+        for entry in diagnosis.get("depends_on", [])[:2]
     ]
+    return [f"what is left depends most on this: {listed(most)}"] if most else []
+
+
+def _nearest(first: Mapping[str, Any] | None) -> list[str]:
+    """What is said of the most probable law where none is probable: it may be a part of the answer."""
+    if first is None or not first.get("held_out_gain") or first["error_share_left"] > CLEARLY:
+        return []
+    law = f" ({spoken(first['law'])})" if first["law"] != first["effect"] else ""
+    return [f"the nearest is {spoken(first['effect'])}{law}, which would leave {_share(first['error_share_left'])}"]
+
+
+def _bent(diagnosis: Mapping[str, Any]) -> list[str]:
+    """As which effect a law of the base is bent, if it is; that is no news, but it is what the base lacks."""
+    bend = diagnosis.get("bends_like")
+    return [f"but a law of the base is bent as {with_probability(diagnosis, bend)} would bend it"] if bend else []
+
+
+def _found(diagnosis: Mapping[str, Any]) -> str:
+    found = diagnosis["found"]
+    words = [f"{spoken(one['effect'])} ({percent(one['probability'])})" for one in found]
+    rivals = [with_probability(diagnosis, name) for name in diagnosis.get("tied", ()) if name != found[0]["effect"]]
     if rivals:
         words[0] += f", hardly told from {listed(rivals)}"
     return ", then ".join(words)
 
 
-def _left(share: float) -> str:
-    if share < 0.01:
-        return "less than 1 % of the error above the noise is left"
-    return f"{_share(share)} is left"
+def _left(diagnosis: Mapping[str, Any]) -> str:
+    left = diagnosis.get("left_unexplained", 1.0)
+    return _share(left) if left >= 0.01 else "less than 1 % of the error above the noise"
+
+
+def _where(diagnosis: Mapping[str, Any]) -> str:
+    """In which channel most is left, where what was found explains another one."""
+    history = diagnosis.get("history")
+    if not history or diagnosis.get("left_unexplained", 1.0) <= LEFT_AT_MOST:
+        return ""
+    where = changed(history, len(diagnosis["found"]))
+    others = [channel for channel in history[-1]["errors"]["calibration"] if channel not in where]
+    return f", nearly all of it in the {others[0]}" if others else ""
 
 
 def _share(left: float) -> str:
     return f"{100 * left:.0f} % of the error above the noise"
 
 
-def _error_left(entry: Ranked) -> str:
+def _error_left(gains: tuple[float, float, float] | None) -> str:
     """Share of the base's error on samples that no fit has seen; a dash where the mechanism was not refitted."""
-    if entry.held_out_gain is None:
+    if gains is None:
         return "-"
-    value, high, low = map(percent_left, entry.held_out_gain)
+    value, high, low = map(percent_left, gains)
     return f"{value:.0f} % ({low:.0f} to {high:.0f})"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from testbench.comparing.numbers import over_noise, plain
+from testbench.comparing.words import percent, spoken
 from testbench.recordings.manifest import CSV
 from testbench.recordings.recording import Recording
 from testbench.report import words
@@ -207,14 +208,10 @@ def diagnosis_section(diagnosis: Mapping[str, Any], title: str = "What is missin
 
 def candidates_table(diagnosis: Mapping[str, Any]) -> Table:
     """Every ranked effect with its one number: what a refit with it leaves of the held-out error."""
-    told = any(words.probability_of(diagnosis, entry["effect"]) is not None for entry in diagnosis["ranking"])
-    head = ("", "Effect", *(("Probability",) if told else ()), "Held-out error left", "95 %", "Law")
     rows = []
     for number, entry in enumerate(diagnosis["ranking"][: diagnosis_figures.SHOWN], 1):
-        probability = words.probability_of(diagnosis, entry["effect"])
-        chance = ("" if probability is None else words.percent(probability),) if told else ()
+        chance = percent(entry["probability"])
         left = words.error_left(entry) or words.NOT_REFITTED
-        law = words.spoken(entry["law"]) if entry["law"] != entry["effect"] else ""
-        name = words.spoken(entry["effect"])
-        rows.append((str(number), name, *chance, left, words.error_left_between(entry), law))
-    return Table(head, rows)
+        law = spoken(entry["law"]) if entry["law"] != entry["effect"] else ""
+        rows.append((str(number), spoken(entry["effect"]), chance, left, words.error_left_between(entry), law))
+    return Table(("", "Effect", "Probability", "Held-out error left", "95 %", "Law"), rows)

@@ -9,12 +9,13 @@ import numpy as np
 
 from gcode.support.arrays import FloatArray
 from testbench.comparing.words import percent_left, spoken
+from testbench.diagnosis.words import with_probability
 from testbench.recordings.recording import gaps_in
 from testbench.report import style
 from testbench.report.downsample import window
 from testbench.report.figures.comparison_figures import RESIDUAL_TITLES
 from testbench.report.figures.recording_figures import line
-from testbench.report.words import NOT_REFITTED, PANEL_UNITS, with_probability
+from testbench.report.words import NOT_REFITTED, PANEL_UNITS
 
 SHOWN = 8
 SCATTER_BINS = 24

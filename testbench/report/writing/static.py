@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from gcode.support.errors import UserError
-from gcode.support.files import atomic_path
+from gcode.support.files import atomic_path, check_place
 from testbench.report import style
 from testbench.report.writing.static_page import Page
 from testbench.report.writing.static_traces import DRAWERS
@@ -37,7 +37,7 @@ def write_figure(figure: style.Figure, path: str | Path) -> None:
     UserError
         For another suffix.
     """
-    suffix = figure_format(path)
+    suffix = _format(path)
     drawing = draw(figure)
     from matplotlib import rc_context
 
@@ -53,14 +53,21 @@ def write_figure(figure: style.Figure, path: str | Path) -> None:
         )
 
 
-def figure_format(path: str | Path) -> str:
-    """``png``, ``pdf`` or ``svg``, as the suffix of `path` says.
+def check_figure(path: str | Path | None) -> None:
+    """Refuse a place for a figure before the work whose picture would be lost there; None is let through.
 
     Raises
     ------
     UserError
-        For any other.
+        If its suffix is none of a figure, or no file can be written there.
     """
+    if path is not None:
+        _format(path)
+        check_place(path)
+
+
+def _format(path: str | Path) -> str:
+    """``png``, ``pdf`` or ``svg``, as the suffix of `path` says."""
     suffix = Path(path).suffix.lstrip(".").lower()
     if suffix not in METADATA:
         raise UserError(f"{path}: a figure is written as {', '.join(METADATA)}; got {suffix or 'no suffix'!r}")

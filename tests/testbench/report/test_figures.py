@@ -14,6 +14,7 @@ import pytest
 
 import tests.testbench.report.samples as samples
 from compensation.paper.published import COMPENSATED
+from testbench.diagnosis.words import with_probability
 from testbench.measurements.preparing import prepare
 from testbench.recordings.recording import Recording
 from testbench.report import overlays, sections, words
@@ -326,14 +327,15 @@ def test_nothing_left_to_depend_on_is_no_figure() -> None:
     [
         (
             "missing",
-            "The model is missing stress relaxation (61 %): with it 38 % of the held-out error, the mean of the "
-            "channels, is left. In all, the held-out error of the force goes from 0.120 to 0.0110 N, that of the "
-            "conductance from 0.0310 to 0.00240 ln S. These recordings cannot tell it from load cell creep (36 %).",
+            "Missing: stress relaxation (61 %), hardly told from load cell creep (36 %). 7 % of the error above the "
+            "noise is left. The held-out error of the force goes from 0.120 to 0.0110 N, that of the conductance "
+            "from 0.0310 to 0.00240 ln S.",
         ),
         (
             "unknown",
-            "Something is missing that no effect of the catalogue explains (88 %). What is left depends most on "
-            "this: force on elapsed time (70 % of it).",
+            "Unknown (88 %): something is missing that no effect of the catalogue explains. What is left depends "
+            "most on this: force on elapsed time (70 % of it). The nearest is stress relaxation, which would leave "
+            "60 % of the error above the noise.",
         ),
         ("nothing_missing", "Nothing is missing that these recordings could show (92 %)."),
     ],
@@ -344,7 +346,9 @@ def test_a_verdict_is_a_sentence(verdict: str, sentence: str) -> None:
 
 def test_nothing_missing_does_not_hide_an_error_far_above_the_noise() -> None:
     hum = samples.diagnosis("nothing_missing") | {"error_after": {"force": 0.014}, "noise_floor": {"force": 0.002}}
-    assert words.verdict_in_words(hum).endswith("(92 %). But the error of the force is 7 times its noise floor.")
+    assert words.verdict_in_words(hum).endswith(
+        "(92 %). But the error of the force is 7 times its noise floor; a comparison shows where."
+    )
 
 
 def test_a_verdict_says_what_is_near_the_truth() -> None:
@@ -354,8 +358,7 @@ def test_a_verdict_says_what_is_near_the_truth() -> None:
     probable["probabilities"] |= {"unknown": 0.05, "stress_relaxation": 0.8}
     probable["ranking"][0]["probability"] = 0.8
     assert words.verdict_in_words(probable).startswith(
-        "No effect of the catalogue explains most of what is missing: stress relaxation (80 %) is probable, but "
-        "leaves 60 % of the error above the noise."
+        "Unknown: stress relaxation (80 %) is probable, but leaves 60 % of the error above the noise."
     )
 
 
@@ -378,9 +381,10 @@ def test_an_experiment_is_a_sentence(log_odds: float, grade: str, said: str) -> 
 def test_probabilities_are_shown_and_never_none_nor_all() -> None:
     names = {"stress_relaxation": 0.97, "load_cell_creep": 0.021, "slack": 0.001, "nothing": 0.002, "unknown": 0.006}
     new = samples.diagnosis() | {"probabilities": names}
-    assert "missing stress relaxation (97 %): with it 38 %" in words.verdict_in_words(new)
-    assert "cannot tell it from load cell creep (2 %)" in words.verdict_in_words(new)
-    assert words.with_probability(new, "slack") == "slack (< 1 %)"
+    assert words.verdict_in_words(new).startswith(
+        "Missing: stress relaxation (61 %), hardly told from load cell creep (2 %)."
+    )
+    assert with_probability(new, "slack") == "slack (< 1 %)"
     assert "(< 1 %)." in words.verdict_in_words(new | {"verdict": "nothing_missing"})
     assert "slack (< 1 %)" in diagnosis_figures.candidates(new)["layout"]["yaxis"]["ticktext"]
 
@@ -390,7 +394,7 @@ def test_all_that_was_found_is_said_with_how_sure_it_is() -> None:
     second = {"effect": "slack", "law": "slack", "probability": 0.995, "log_evidence": 9.0}
     both = one | {"found": [*one["found"], second], "tied": []}
     said = words.verdict_in_words(both)
-    assert said.startswith("The model is missing stress relaxation (61 %), then slack (> 99 %). In all, the held-out")
+    assert said.startswith("Missing: stress relaxation (61 %), then slack (> 99 %). 7 % of the error above the noise")
 
 
 def test_one_effect_has_one_number_everywhere() -> None:

@@ -88,8 +88,8 @@ def test_parameters_say_what_they_are_and_what_to_doubt() -> None:
     assert table is not None
     stiff, tau = table.rows
     assert stiff[:2] == ("elasticity: stiffness", "5.80 N"), "at a bound nothing is known of its error"
-    assert stiff[3] == "at its bound; hardly told from drift: tau"
-    assert tau[3].startswith("not identifiable from this recording")
+    assert stiff[3] == "at a bound; hardly told from drift: tau"
+    assert tau[3].startswith("this recording cannot tell")
     assert "N" in stiff[2]
     assert stiff[4]
     assert "Another 1 numbers" in table.caption

@@ -24,6 +24,8 @@ def effect_told(diagnosis: Mapping[str, Any], entry: Mapping[str, Any], catalogu
         ui.label(told.summary)
         if told.formula:
             ui.label(told.formula.replace("`", "")).classes("formula")
+        if told.remarks:
+            ui.label(told.remarks.replace("`", ""))
         for name, text in (("Source", told.source), ("Valid", told.valid)):
             if text:
                 ui.label(f"{name}: {text.replace('`', '')}").classes("quiet text-sm")
