@@ -6,6 +6,8 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from pydantic.fields import FieldInfo
+
 from testbench.comparing.numbers import allowed, in_words, with_error
 from testbench.comparing.words import events_in_words, spoken
 from testbench.fitting.parameters import HELD
@@ -16,6 +18,7 @@ from testbench.results.model_file import AT_BOUND, doubted
 
 HEAD = ("Parameter", "Value", "Allowed range", "Doubts", "What it is")
 HELD_SD = HELD**-0.5  # in the fit's coordinate
+NAME = re.compile(r"`(\w+)`")  # of a parameter, within a description
 UNIT_TAIL = re.compile(r"_(N|s|S|ohm|mm|C|per_s|per_N|per_C|Hz|N_per_s|ppm)$")
 
 
@@ -60,7 +63,12 @@ def _allowed_and_meant(address: str, unit: str, model: KnitModel) -> tuple[str, 
     if field is None:
         return "", ""
     extra = bounds_of(field)
-    return allowed(float(extra["low"]), float(extra["high"]), unit), field.description or ""
+    return allowed(float(extra["low"]), float(extra["high"]), unit), meaning_of(field)
+
+
+def meaning_of(field: FieldInfo) -> str:
+    """What a parameter is, in words."""
+    return NAME.sub(lambda found: name_without_unit(found[1]), field.description or "")
 
 
 def is_held(value: float, error: float) -> bool:

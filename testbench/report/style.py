@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from gcode.support.colours import BLUE, GREEN, PURPLE, VERMILION
 from gcode.support.colours import ORANGE as ORANGE
 from gcode.support.colours import SKY as SKY
+from testbench.comparing.numbers import bare
 
 Figure = dict[str, Any]  # a Plotly figure as plain data: {"data": [...], "layout": {...}}
 
@@ -43,6 +45,16 @@ def axis(title: str = "", **more: Any) -> dict[str, Any]:
         "minexponent": 4,  # a day has 86400 s, not 8.64·10⁴
         **more,
     }
+
+
+def log_ticks(values: Sequence[float]) -> dict[str, Any]:
+    """Settings of a logarithmic axis: its decades are named, and their 2 and 5 where there are few of them."""
+    low, high = min(values), max(values)
+    steps = (1,) if high >= 100 * low else (1, 2, 5)
+    decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    inside = [tick for decade in decades for step in steps if low <= (tick := step * 10.0**decade) <= high]
+    ticks = inside or [low, high]
+    return {"type": "log", "tickvals": ticks, "ticktext": [bare(tick) for tick in ticks]}
 
 
 def figure(data: list[dict[str, Any]], *, height: int, **layout: Any) -> Figure:

@@ -157,10 +157,10 @@ def _area(colour: str, opacity: float) -> dict[str, Any]:
 
 
 def modelled_loops(both: Overlay) -> style.Figure:
-    """Hysteresis loops of a few half minutes, modelled over measured: force and ln G over strain."""
+    """Hysteresis loops of a few stretches, modelled over measured: force and ln G over strain."""
     names = ["measured", *both.modelled]
     colours = [style.MEASURED, *(model_colour(i, len(both.modelled)) for i in range(len(both.modelled)))]
-    rows = _joined([unbroken(part, both.time_s, both.gaps) for part in stretches(both.time_s, LOOPS)])
+    rows = _joined([unbroken(part, both.time_s, both.gaps) for part in stretches(both.time_s, both.strain, LOOPS)])
     strain_percent = at_rows(100 * both.strain, rows)
     traces = []
     for column, channel in enumerate(both.measured):
@@ -177,8 +177,8 @@ def _joined(parts: Sequence[NDArray[np.intp]]) -> NDArray[np.intp]:
     return np.concatenate([np.append(rows, -1) for rows in parts])[:-1]
 
 
-def busiest_window(both: Overlay, length_s: float) -> tuple[float, float]:
-    """The stretch of `length_s` in which the residuals of the first model are largest: the one to look at."""
+def busiest_window(both: Overlay, length_s: float = 60.0) -> tuple[float, float]:
+    """The stretch of about `length_s` in which the residuals of the first model are largest: the one to look at."""
     first = next(iter(both.modelled))
     size = sum(
         (both.residual(channel, first) / (float(np.ptp(values)) or 1.0)) ** 2

@@ -15,14 +15,14 @@ from testbench.report import style
 from testbench.report.downsample import window
 from testbench.report.figures.comparison_figures import RESIDUAL_TITLES
 from testbench.report.figures.recording_figures import line
-from testbench.report.words import NOT_REFITTED, PANEL_UNITS
+from testbench.report.words import PANEL_UNITS
 
 SHOWN = 8
 SCATTER_BINS = 24
 CANDIDATES_CAPTION = (
     "What a refit with each effect takes off the error on samples that no fit has seen, the mean of the "
     "channels, with the 95 % interval over blocks of up to 60 s. In brackets: how probable it is that this effect is "
-    "what is missing most."
+    "what is missing most. What was not refitted would hardly lower the error."
 )
 
 
@@ -79,7 +79,7 @@ def _lowest(ranking: Sequence[Mapping[str, Any]]) -> float:
 
 def _untried(place: int) -> dict[str, Any]:
     look: dict[str, Any] = {"font": {"size": 11, "color": style.MUTED}, "xanchor": "left"}
-    return style.note(NOT_REFITTED, 1.0, place, xref="x", yref="y", **look)
+    return style.note("not refitted", 1.0, place, xref="x", yref="y", **look)
 
 
 def _colour(diagnosis: Mapping[str, Any], number: int) -> str:

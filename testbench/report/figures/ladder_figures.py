@@ -25,7 +25,7 @@ LADDER_CAPTION = (
     "any model can reach."
 )
 GLANCE_CAPTION = (
-    "Left: a minute of held-out samples, where the first model is worst. "
+    "Left: the held-out samples where the first model is worst. "
     "Right: the held-out error after each step, and the noise floor."
 )
 LINE = 14  # characters of a name on one line, where there is room

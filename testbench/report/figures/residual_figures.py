@@ -50,7 +50,7 @@ def profiles(maps: Mapping[str, Sequence[Cell]], channel: str) -> style.Figure:
     traces: list[dict[str, Any]] = []
     for index, coordinate in enumerate(shown):
         traces += _profile(maps[coordinate], coordinate, index)
-    axes = _grid_axes(shown, columns, channel)
+    axes = _grid_axes({name: maps[name] for name in shown}, columns, channel)
     count = -(-len(shown) // columns)
     return style.figure(_legend_once(traces), height=230 * max(count, 1) + 60, **axes)
 
@@ -87,12 +87,13 @@ def _legend_once(traces: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return traces
 
 
-def _grid_axes(coordinates: list[str], columns: int, channel: str) -> dict[str, Any]:
+def _grid_axes(coordinates: Mapping[str, Sequence[Cell]], columns: int, channel: str) -> dict[str, Any]:
     across, down = style.parts(columns, 0.07), style.rows(-(-len(coordinates) // columns), 0.2)
     axes: dict[str, Any] = {}
-    for index, coordinate in enumerate(coordinates):
+    for index, (coordinate, cells) in enumerate(coordinates.items()):
         row, column = divmod(index, columns)
-        kind = {"type": "log", "dtick": 1} if coordinate in LOG_COORDINATES else {}
+        log = coordinate in LOG_COORDINATES
+        kind = style.log_ticks([centre(cell, coordinate) for cell in cells]) if log else {}
         title = RESIDUAL_TITLES[channel] if column == 0 else ""
         axes |= style.panel(
             index,
@@ -116,7 +117,7 @@ def heat_maps(both: Overlay) -> style.Figure:
         traces.append(_heat_map(*cells) | {**style.place(column), "colorbar": bar})
     axes = style.side_by_side_axes(panels, gap=0.16)
     notes = [
-        style.note(f"<b>{channel}</b>: measured minus modelled", index * 0.58, 1.0, xanchor="left", yanchor="bottom")
+        style.note(f"<b>Residual of the {channel}</b>", index * 0.58, 1.0, xanchor="left", yanchor="bottom")
         for index, channel in enumerate(both.measured)
     ]
     return style.figure(traces, height=360, margin={"l": 64, "r": 80, "t": 36, "b": 44}, annotations=notes, **axes)

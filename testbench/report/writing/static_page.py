@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from testbench.comparing.numbers import in_powers
 from testbench.report import style
 
 DASHES = {"dash": "--", "dot": ":", "solid": "-"}
@@ -134,12 +135,19 @@ def plain(text: str) -> str:
     return text.replace("<br>", "\n")
 
 
+def tick(value: float, _: Any = None) -> str:
+    """A number at an axis, whole: a power of ten in a corner is overlooked, or lies on another word."""
+    return in_powers(f"{value:.10g}").replace("-", "−")
+
+
 def _dress(axis, set_scale, set_limits, settings: dict[str, Any]) -> None:
     text = settings.get("title", {}).get("text", "")
     axis.set_label_text(plain(text), fontsize=9, color=style.MUTED)
     log = settings.get("type") == "log"
     if log:
         set_scale("log")
+        axis.set_minor_formatter("")
+    axis.set_major_formatter(tick)
     if "range" in settings:
         limits = [float(value) for value in settings["range"]]
         set_limits(*(10 ** np.array(limits) if log else limits))

@@ -58,7 +58,7 @@ async def page(studio: Studio, a: str = "", b: str = "", show: str = "") -> None
     for side in sides:
         loops = figures.hysteresis_loops(side.recording, kohm)
         if loops:
-            plot(loops, f"{side.name}: {figures.loops_in_words(side.recording.time_s)}.")
+            plot(loops, f"{side.name}: {figures.loops_in_words(side.recording)}.")
 
 
 def _side(studio: Studio, name: str, kohm: bool) -> Side:

@@ -268,18 +268,21 @@ def test_thumbnail_is_one_small_svg() -> None:
 
 def test_loops_are_whole_stretches_from_the_first_minute_to_the_last() -> None:
     source = samples.recording(30_000)
-    parts = recording_figures.stretches(source.time_s)
+    parts = recording_figures.stretches(source.time_s, source.strain)
     assert len(parts) == 6
     assert parts[0].start == 0
     assert parts[-1].stop == len(source)
     for part in parts:
         assert np.ptp(source.time_s[part]) == pytest.approx(30, abs=0.2)
-    assert recording_figures.stretches(source.time_s[:100]) == [slice(0, 100)]
+    assert recording_figures.stretches(source.time_s[:100], source.strain[:100]) == [slice(0, 100)]
     assert recording_figures.loops_caption(source) == (
         "Loops of six half minutes, the first dark, the last light: a shift along the colours is drift."
     )
-    assert recording_figures.stretches_in_words(20 * source.time_s, 3) == "three half minutes"
-    assert recording_figures.stretches_in_words(60 * source.time_s) == "six stretches of 90 s"
+    # A motion this slow, and samples this rare, have no loop in half a minute.
+    in_words = recording_figures.stretches_in_words
+    assert in_words(source.time_s, source.strain, 3) == "three half minutes"
+    assert in_words(60 * source.time_s, np.sin(60 * source.time_s)) == "six stretches of 1.5 min"
+    assert in_words(20 * source.time_s, np.sin(source.time_s)) == "six stretches of 2.1 min"
 
 
 def test_the_loops_of_a_short_recording_are_one_whole_drawn_at_full_detail() -> None:

@@ -21,7 +21,7 @@ from testbench.knit.catalogue import baseline
 from testbench.report import overlays
 from testbench.report.downsample import liveliest
 from testbench.report.figures.comparison_figures import Overlay
-from testbench.report.overlays import LOOK_S, LOOK_SAMPLES
+from testbench.report.overlays import LOOK_S
 from testbench.report.parameter_table import name_without_unit, parameter_table
 from testbench.report.words import odds_in_words, verdict_in_words
 from testbench.results.model_file import ModelFile
@@ -143,7 +143,7 @@ def test_the_stretch_holds_the_burst(start: int) -> None:
     time_s = np.arange(4000) * 0.05
     energy = np.zeros(4000)
     energy[start : start + 100] = 1.0
-    low, high = liveliest(time_s, energy, LOOK_S, LOOK_SAMPLES)
+    low, high = liveliest(time_s, energy, LOOK_S)
     assert low <= time_s[start]
     assert high >= time_s[start + 99]
     assert high - low == pytest.approx(29.95)

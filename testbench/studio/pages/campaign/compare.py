@@ -104,7 +104,7 @@ async def page(
 
 
 def _below(view: View, shown: Overlay) -> None:
-    loops = f"The same as hysteresis loops: {stretches_in_words(shown.time_s, figures.LOOPS)}."
+    loops = f"The same as hysteresis loops: {stretches_in_words(shown.time_s, shown.strain, figures.LOOPS)}."
     plot(figures.modelled_loops(shown), loops)
     if view.parameters:
         subheading("The model's parameters", "As fitted; what speaks against a value stands beside it.")
