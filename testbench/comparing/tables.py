@@ -92,8 +92,7 @@ def comparison_table(result: Comparison) -> str:
         f"noise floor of {result.noise_floor[channel]:.2g} (estimated from the samples)"
         for channel, times in result.over_noise.items()
     ]
-    if not result.worst:
-        return "\n".join([*lines, *result.places])
-    lines.append("where it fails, the worst first:")
-    lines += [f"  {n}. {words}" for n, words in enumerate(result.places, 1)]
-    return "\n".join(lines)
+    if result.worst:
+        lines.append("where it fails, the worst first:")
+        lines += [f"  {n}. {place.words}" for n, place in enumerate(result.worst, 1)]
+    return "\n".join(filter(None, [*lines, result.unplaced]))

@@ -66,8 +66,8 @@ def comparison_section(
             (str(n), place.words, f"{100 * place.share_of_error:.0f} %") for n, place in enumerate(compared.worst, 1)
         ]
         items.append(Table(("", "Where it fails, the worst first", "Share of the squared error"), rows))
-    else:
-        items.append(words.sentence(compared.places[0]))
+    if compared.unplaced:
+        items.append(words.sentence(compared.unplaced))
     over_time = comparison_figures.overlay(both)
     items.append(Picture("comparison-time", over_time, comparison_figures.OVERLAY_CAPTION))
     items.append(Picture("comparison-loops", comparison_figures.modelled_loops(both), "The same as loops."))

@@ -42,7 +42,7 @@ def axis(title: str = "", **more: Any) -> dict[str, Any]:
         "tickfont": {"size": 11, "color": MUTED},
         "automargin": True,
         "exponentformat": "power",  # no "500µ" beside "0.001"
-        "minexponent": 4,  # a day has 86400 s, not 8.64·10⁴
+        "minexponent": 4,
         **more,
     }
 
@@ -103,7 +103,7 @@ def stacked_axes(
         low = max(top - height * unit, 0.0)
         axes[axis_key("yaxis", row)] = axis(title, domain=[low, top], anchor="x")
         top = low - gap
-    axes["xaxis"] = axis(x_title, anchor=y_ref(len(titles) - 1))
+    axes["xaxis"] = axis(x_title, anchor=y_ref(len(titles) - 1), minexponent=6)  # a week has 604800 s
     return axes
 
 

@@ -88,7 +88,8 @@ def _legend_once(traces: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def _grid_axes(coordinates: Mapping[str, Sequence[Cell]], columns: int, channel: str) -> dict[str, Any]:
-    across, down = style.parts(columns, 0.07), style.rows(-(-len(coordinates) // columns), 0.2)
+    count = -(-len(coordinates) // columns)
+    across, down = style.parts(columns, 0.07), style.rows(count, 0.3 / max(count, 1))
     axes: dict[str, Any] = {}
     for index, (coordinate, cells) in enumerate(coordinates.items()):
         row, column = divmod(index, columns)

@@ -245,5 +245,5 @@ def _worst(view: View, seen: ZoomingPlot) -> None:
         quiet = compared.noise_reached
         if quiet:
             ui.label(f"Nothing but noise is left in the {' and the '.join(quiet)}.").classes("quiet")
-        if not compared.worst and len(quiet) < len(compared.rms):
-            ui.label(sentence(compared.places[0])).classes("quiet")
+        if compared.unplaced and len(quiet) < len(compared.rms):
+            ui.label(sentence(compared.unplaced)).classes("quiet")
