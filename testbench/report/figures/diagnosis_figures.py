@@ -13,7 +13,7 @@ from testbench.diagnosis.words import with_probability
 from testbench.recordings.recording import gaps_in
 from testbench.report import style
 from testbench.report.downsample import window
-from testbench.report.figures.comparison_figures import RESIDUAL_TITLES
+from testbench.report.figures.comparison_figures import RESIDUAL_TITLES, RESIDUALS
 from testbench.report.figures.recording_figures import line
 from testbench.report.words import PANEL_UNITS
 
@@ -112,6 +112,7 @@ def prediction(
     contribution: Mapping[str, FloatArray],
     start_s: float | None = None,
     end_s: float | None = None,
+    effect: str = "the effect",
 ) -> style.Figure:
     """What the model leaves, and what an effect would add, over time; zoom linked.
 
@@ -122,6 +123,8 @@ def prediction(
         Measured minus modelled, and modelled with minus modelled without the effect.
     start_s, end_s : float, optional
         Draw this stretch only.
+    effect : str
+        What the legend calls it.
     """
     rows, gaps = window(time_s, start_s, end_s), gaps_in(time_s)
     traces = []
@@ -129,9 +132,9 @@ def prediction(
         first: dict[str, Any] = {"showlegend": row == 0, "gaps": gaps}
         left = "what the model leaves"
         traces.append(line(time_s[rows], residual[channel][rows], style.FAINT, left, row, **first))
-        added, name = contribution[channel][rows], "what the effect would add"
+        added, name = contribution[channel][rows], f"what {effect} would add"
         traces.append(line(time_s[rows], added, style.VERMILION, name, row, width=1.8, **first))
-    axes = style.stacked_axes([RESIDUAL_TITLES[channel] for channel in residual], "Time / s")
+    axes = style.stacked_axes([RESIDUALS[channel] for channel in residual], "Time / s")
     return style.figure(traces, height=190 * len(residual) + 70, **axes)
 
 

@@ -7,14 +7,22 @@ so that a picture can never lose a part in silence.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from gcode.support.errors import UserError
+from gcode.support.figures import panels
 from gcode.support.files import atomic_path, check_place
 from testbench.report import style
 from testbench.report.writing.static_page import Page
 from testbench.report.writing.static_traces import DRAWERS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 # What is left out of a file, so that the same figure gives the same bytes.
 METADATA: Any = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
@@ -88,11 +96,31 @@ def draw(figure: style.Figure):
     height_px = layout.get("height", 400)
     with rc_context(RC):
         drawing = Figure(figsize=(WIDTH_PX / DOTS_PER_INCH, height_px / DOTS_PER_INCH), facecolor=style.PAPER)
-        page = Page(drawing, layout, WIDTH_PX, height_px)
-        for trace in figure["data"]:
-            DRAWERS[_known(trace)](page.axes_of(trace), trace, page)
-        page.finish()
+        _fill(Page(drawing, layout, WIDTH_PX, height_px), figure)
     return drawing
+
+
+def draw_on(figure: style.Figure, axes: Axes | Sequence[Axes] | None) -> NDArray[Any]:
+    """Draw each panel of a figure on axes that are given (default: of a new figure).
+
+    Returns
+    -------
+    ndarray of Axes, shape (panels,)
+    """
+    layout = figure["layout"]
+    names = [(layout[key].get("anchor", "x"), key.replace("axis", "")) for key in layout if key.startswith("yaxis")]
+    on = panels(axes, len(names))
+    page = Page(on[0].figure, layout, given=dict(zip(names, on, strict=True)))
+    for x_name, y_name in names:
+        page.axes_of({"xaxis": x_name, "yaxis": y_name})
+    _fill(page, figure)
+    return np.array(on)
+
+
+def _fill(page: Page, figure: style.Figure) -> None:
+    for trace in figure["data"]:
+        DRAWERS[_known(trace)](page.axes_of(trace), trace, page)
+    page.finish()
 
 
 def _known(trace: dict[str, Any]) -> str:
