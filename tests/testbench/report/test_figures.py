@@ -17,7 +17,7 @@ from compensation.paper.published import COMPENSATED
 from testbench.diagnosis.words import with_probability
 from testbench.measurements.preparing import prepare
 from testbench.recordings.recording import Recording
-from testbench.report import overlays, sections, words
+from testbench.report import overlays, sections, style, words
 from testbench.report.downsample import rows_to_draw, thinned, window
 from testbench.report.figures import (
     alignment_figures,
@@ -33,7 +33,7 @@ from testbench.report.figures import (
 )
 from testbench.report.figures.thumbnail import thumbnail
 from testbench.report.style import Figure
-from testbench.report.writing.static import draw, write_figure
+from testbench.report.writing.static import draw, draw_on, write_figure
 
 
 def residual_and_contribution():
@@ -500,3 +500,34 @@ def test_a_bar_leaves_room_for_the_name_of_the_noise_floor_at_a_glance() -> None
     for axes in drawing.axes[1::2]:
         number, floor = (text.get_window_extent() for text in axes.texts)
         assert not number.overlaps(floor)
+
+
+def test_a_tiny_number_stands_whole_at_its_axis() -> None:
+    """Its power of ten stood in the corner of the panel, on the title of the one above."""
+    small = {"force": 1.5e-5, "conductance": 0.1}
+    drawing = draw(ladder_figures.ladder([ladder_figures.Step("baseline", small, small)]))
+    drawing.canvas.draw()
+    axis = drawing.axes[0].yaxis
+    assert any(label.get_text() == "1·10⁻⁵" for label in axis.get_ticklabels())
+    assert not axis.get_offset_text().get_text()
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "names"),
+    [(0.05, 9, ["0.1", "1"]), (200, 1080, ["200", "500", "1000"]), (2.2, 2.9, ["2.2", "2.9"])],
+)
+def test_a_logarithmic_axis_has_numbers_however_short_it_is(low: float, high: float, names: list[str]) -> None:
+    assert style.log_ticks([low, high])["ticktext"] == names
+
+
+def test_of_a_slow_recording_the_first_look_is_at_more_than_a_few_samples() -> None:
+    both = replace(samples.overlay(), time_s=10.0 * np.arange(len(samples.overlay().time_s)))
+    start_s, end_s = comparison_figures.busiest_window(both)
+    assert end_s - start_s >= 1990
+
+
+def test_a_result_is_drawn_on_axes_of_its_own_by_the_figure_of_the_report() -> None:
+    experiment = experiment_figures.ranking([("fast-triangle", 4e5), ("long-hold", 30.0)])
+    (axes,) = draw_on(experiment, None)
+    assert axes.get_xscale() == "log"
+    assert [name.get_text() for name in axes.get_yticklabels()] == ["fast triangle", "long hold"]

@@ -191,3 +191,10 @@ def test_a_verdict_says_as_the_terminal_does_where_what_was_found_does_not_carry
     told = verdict_in_words(diagnosis)
     assert ("But held out the error of the force is 5 times as large: " in told) == bool(says)
     assert says in told
+
+
+def test_what_a_parameter_is_says_the_names_of_others_in_words() -> None:
+    entries = {"hysteresis.friction_N": {"value": 1.0, "unit": "N", "standard_error": 0.1}}
+    table = parameter_table({"parameters": entries}, baseline() + effects.HysteresisOnTension())
+    assert table is not None
+    assert table.rows[0][4] == "friction force at tension, when it slips"
