@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 CLEARLY = 0.8  # of an error: what leaves more has not changed it
+LEFT_AT_MOST = 0.5  # of what laws should explain, by those that are named
 FAILS = 3.0  # times the calibration error, held out
 
 Steps = Sequence[Mapping[str, Any]]  # the history of a diagnosis

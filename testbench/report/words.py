@@ -8,7 +8,7 @@ from typing import Any
 
 from testbench.comparing.numbers import plain
 from testbench.comparing.words import MANY, listed, percent_left, spoken
-from testbench.diagnosis.words import verdict_clauses
+from testbench.diagnosis.verdict import verdict_clauses
 from testbench.measurements.responses import UNIT_OF
 
 PANEL_UNITS = {**UNIT_OF, "resistance": "kΩ"}  # of an axis or a table, by what it shows

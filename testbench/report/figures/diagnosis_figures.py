@@ -9,7 +9,7 @@ import numpy as np
 
 from gcode.support.arrays import FloatArray
 from testbench.comparing.words import percent_left, spoken
-from testbench.diagnosis.words import with_probability
+from testbench.diagnosis.verdict import with_probability
 from testbench.recordings.recording import gaps_in
 from testbench.report import style
 from testbench.report.downsample import window

@@ -70,8 +70,8 @@ def check_figure(path: str | Path | None) -> None:
         If its suffix is none of a figure, or no file can be written there.
     """
     if path is not None:
-        _format(path)
         check_place(path)
+        _format(path)
 
 
 def _format(path: str | Path) -> str:

@@ -10,7 +10,7 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from testbench.comparing.words import spoken
-from testbench.diagnosis.words import verdict_clauses
+from testbench.diagnosis.verdict import verdict_clauses
 from testbench.recordings.recording import Recording
 from testbench.report.figures import recording_figures as figures
 from testbench.report.parameter_table import parameter_name

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from testbench.diagnosis.words import verdict_clauses
+from testbench.diagnosis.verdict import verdict_clauses
 
 
 def line(

@@ -14,7 +14,7 @@ import pytest
 
 import tests.testbench.report.samples as samples
 from compensation.paper.published import COMPENSATED
-from testbench.diagnosis.words import with_probability
+from testbench.diagnosis.verdict import with_probability
 from testbench.measurements.preparing import prepare
 from testbench.recordings.recording import Recording
 from testbench.report import overlays, sections, style, words

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from nicegui import ui
 
 from testbench.comparing.words import spoken
-from testbench.diagnosis.words import with_probability
+from testbench.diagnosis.verdict import with_probability
 from testbench.report.figures import diagnosis_figures as figures
 from testbench.report.figures.kohm import contribution_kohm
 from testbench.report.words import NOT_REFITTED, base_in_words, error_left, verdict_in_words
