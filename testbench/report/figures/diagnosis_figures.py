@@ -20,9 +20,9 @@ from testbench.report.words import PANEL_UNITS
 SHOWN = 8
 SCATTER_BINS = 24
 CANDIDATES_CAPTION = (
-    "What a refit with each effect takes off the error on samples that no fit has seen, the mean of the "
-    "channels, with the 95 % interval over blocks of up to 60 s. In brackets: how probable it is that this effect is "
-    "what is missing most. What was not refitted would hardly lower the error."
+    "What a refit with each effect takes off the error that the model leaves without it, on samples that no fit has "
+    "seen: the mean of the channels, with the 95 % interval over blocks of up to 60 s. In brackets: how probable it "
+    "is that this effect is what is missing most. What was not refitted would hardly lower the error."
 )
 
 

@@ -18,7 +18,6 @@ from testbench.recordings.files import write_recording_csv
 from testbench.report import sections
 from testbench.report.document import Picture, Report, Section, Table
 from testbench.report.figures import ladder_figures, recording_figures
-from testbench.report.writing.markdown import to_markdown
 from testbench.report.writing.packing import packed, plotly_path
 from testbench.report.writing.page import to_html
 from testbench.report.writing.static import write_figure
@@ -86,13 +85,13 @@ def test_arrays_are_packed_as_float32() -> None:
 
 def test_markdown_names_every_figure_that_was_written(tmp_path: Path) -> None:
     report = Report("T", "V", [], [Section("S", ["text", Table(("a", "b"), [("1|2", "3")]), _ladder_picture()])], "f")
-    write_report(report, tmp_path / "r.md", "md")
-    text = (tmp_path / "r.md").read_text()
+    write_report(report, tmp_path / "my r.md", "md")
+    text = (tmp_path / "my r.md").read_text()
     assert "| 1\\|2 | 3 |" in text
-    assert "(r-figures/ladder.png)" in text
-    assert (tmp_path / "r-figures" / "ladder.png").stat().st_size > 5_000
-    assert (tmp_path / "r-figures" / "ladder.pdf").read_bytes().startswith(b"%PDF")
-    assert "*the ladder*" in to_markdown(report)
+    assert "(my%20r-figures/ladder.png)" in text, "a blank would end the link"
+    assert (tmp_path / "my r-figures" / "ladder.png").stat().st_size > 5_000
+    assert (tmp_path / "my r-figures" / "ladder.pdf").read_bytes().startswith(b"%PDF")
+    assert "*the ladder*" in text
 
 
 def _ladder_picture() -> Picture:
