@@ -108,18 +108,18 @@ def _label_steps(axes: dict[str, Any], column: int, steps: Sequence[Step], room:
     """Names under the bars; numbers where there is no `room` for names (the bar tells its name when pointed at)."""
     axes[style.axis_key("xaxis", column)] |= {
         "tickvals": list(range(len(steps))),
-        "ticktext": step_names([step.label for step in steps], "<br>", room),
+        "ticktext": step_names([step.label for step in steps], room),
         "showgrid": False,
         "range": [-0.6, len(steps) - 0.4],
     }
 
 
-def step_names(labels: Sequence[str], newline: str, room: bool = True) -> list[str]:
+def step_names(labels: Sequence[str], room: bool = True) -> list[str]:
     """Names of steps in spoken words, long ones on several lines; their numbers where names have no `room`."""
     if not room:
         return [str(number) for number in range(len(labels))]
     width = LINE if len(labels) <= BESIDE else 1  # many: a line a word
-    return [newline.join(_lines(spoken(label), width)) for label in labels]
+    return ["<br>".join(_lines(spoken(label), width)) for label in labels]
 
 
 def _lines(label: str, width: int) -> list[str]:
