@@ -47,6 +47,13 @@ def test_page_is_self_contained_and_small() -> None:
     assert "default-src 'none'" in page
 
 
+def test_recordings_of_one_name_have_a_link_each() -> None:
+    page = to_html(Report("T", "V", [], [Section("Recording one"), Section("Recording one")]))
+    links = re.findall(r'href="#([^"]+)"', page)
+    assert len(set(links)) == 2
+    assert links == re.findall(r'<section id="([^"]+)"', page)
+
+
 def test_every_picture_has_its_place_and_its_data() -> None:
     report = whole_report()
     page = to_html(report)
