@@ -56,9 +56,9 @@ def _check(args: argparse.Namespace) -> None:
     if args.plot is not None and (args.name is None or args.check):
         raise UserError("--plot draws one effect beside its card: give its NAME, and leave --check out")
     if args.plot:
-        from testbench.report.writing.static import figure_format
+        from testbench.report.writing.static import check_figure
 
-        figure_format(args.plot)
+        check_figure(args.plot)
     if args.markdown and (args.name is not None or args.check):
         raise UserError("--markdown is the list of all effects; leave NAME and --check out")
     if args.new and (args.name or args.check or args.markdown):

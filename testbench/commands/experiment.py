@@ -32,7 +32,7 @@ def run(args: argparse.Namespace) -> int:
     from testbench.api.experiments.designing import next_experiment
     from testbench.api.progress import Telling
     from testbench.design.protocols import MENU
-    from testbench.report.writing.static import figure_format
+    from testbench.report.writing.static import check_figure
 
     if args.diagnosis and (args.models or not args.fit):
         raise UserError("experiment: --diagnosis goes with --fit RECORDING and without MODEL files")
@@ -40,9 +40,7 @@ def run(args: argparse.Namespace) -> int:
         told = f"give two rival MODEL files, or --diagnosis JSON --fit RECORDING; got {len(args.models)} MODEL"
         raise UserError(f"experiment: {told}")
     check_place(args.json)
-    check_place(args.plot)
-    if args.plot:
-        figure_format(args.plot)
+    check_figure(args.plot)
     tell = Telling("motion", len(MENU), "imitating on")
     found = next_experiment(
         args.diagnosis or args.models,

@@ -37,6 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     from gcode.support.files import check_place
     from testbench.api.files.reporting import make_report
+    from testbench.comparing.numbers import plain
 
     check_place(args.output)
     made = make_report(
@@ -52,7 +53,7 @@ def run(args: argparse.Namespace) -> int:
         resistance=args.resistance,
     )
     report, *figures = made.write(args.output or f"report.{args.format}", args.format, args.figures)
-    print(f"wrote {report} ({report.stat().st_size / 1e6:.1f} MB)")
+    print(f"wrote {report} ({plain(report.stat().st_size / 1e6, 2)} MB)")
     if figures:
         print(f"wrote {figures[0].parent} ({len(figures) // 2} figures, each as PNG and PDF)")
     return 0

@@ -14,6 +14,7 @@ from testbench.recordings.recording import Recording
 from testbench.results.model_file import ModelFile
 
 CLEARLY = 0.8  # of an error: what leaves more has not changed it
+LEFT_AT_MOST = 0.5  # of what laws should explain, by those that are named
 FAILS = 3.0  # times the calibration error, held out
 REST_S = 60.0  # between recordings of one specimen, where nobody said so
 

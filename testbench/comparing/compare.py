@@ -82,9 +82,18 @@ class Comparison(Unchanging):
 
     @property
     def places(self) -> tuple[str, ...]:
-        """The worst places, a sentence each; where there is none, why."""
-        quick = {channel: over_noise(rms, self.noise_floor[channel]) for channel, rms in self.quick.items()}
-        return tuple(place.words for place in self.worst) or (no_place_in_words(self.over_noise, quick),)
+        """The worst places, a sentence each, and what there is to say where none is named."""
+        return tuple(filter(None, [*(place.words for place in self.worst), self.unplaced]))
+
+    @property
+    def unplaced(self) -> str:
+        """Why no place is named of a channel; empty where each has one, or nothing but noise is left beside it."""
+        named = {place.channel for place in self.worst}
+        left = {channel: times for channel, times in self.over_noise.items() if channel not in named}
+        if named and all(times <= NOISE_REACHED for times in left.values()):
+            return ""
+        quick = {channel: over_noise(self.quick[channel], self.noise_floor[channel]) for channel in left}
+        return no_place_in_words(left, quick)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready form; the shape is documented in docs/finding-effects.md."""
@@ -137,7 +146,7 @@ def compare(model: KnitModel, measurement: Measurement, free_offset: bool = Fals
         maps[channel] = residual_maps(counting, where)
         if over_noise(errors[channel], floors[channel]) > NOISE_REACHED:
             places += _places(channel, maps[channel], counting, _size_of(measurement, channel))
-    worst = _distinct(sorted(places, key=lambda place: -place.share_of_error))
+    worst = distinct(sorted(places, key=lambda place: -place.share_of_error))
     return Comparison(errors, floors, quick, maps, tuple(worst))
 
 
@@ -212,12 +221,11 @@ def _places(channel: str, maps: Mapping[str, tuple[Cell, ...]], residual: FloatA
     return found
 
 
-def _distinct(places: list[Place]) -> list[Place]:
-    """The worst three that do not tell the same story: one a channel and coordinate."""
+def distinct(places: list[Place]) -> list[Place]:
+    """The worst three that do not tell the same story, one a channel and coordinate; each channel has one of them."""
     kept: list[Place] = []
     for place in places:
         if all((place.channel, place.coordinate) != (other.channel, other.coordinate) for other in kept):
             kept.append(place)
-        if len(kept) == 3:
-            break
-    return kept
+    first = {place.channel: place for place in reversed(kept)}
+    return sorted(sorted(kept, key=lambda place: place != first[place.channel])[:3], key=kept.index)

@@ -18,9 +18,14 @@ def plain(value: float, digits: int = 3) -> str:
     if value == 0 or not math.isfinite(value):
         return "0" if value == 0 else str(value)
     if not SMALL <= abs(value) < LARGE:
-        mantissa, _, power = f"{value:.{digits - 1}e}".partition("e")
-        return f"{mantissa}·10{str(int(power)).translate(SUPERSCRIPTS)}"
+        return in_powers(f"{value:.{digits - 1}e}")
     return _fixed(value, digits - 1 - _power(value, digits))
+
+
+def in_powers(number: str) -> str:
+    """``2e-05`` as ``2·10⁻⁵``; a number without an exponent as it is."""
+    mantissa, exponent, power = number.partition("e")
+    return f"{mantissa}·10{str(int(power)).translate(SUPERSCRIPTS)}" if exponent else number
 
 
 def _power(value: float, digits: int) -> int:
@@ -72,15 +77,15 @@ def with_error(value: float, error: float, unit: str) -> str:
 def allowed(low: float, high: float, unit: str) -> str:
     """The range that a parameter may lie in: ``0.1 to 3000 s``, ``1 nS to 100 S``."""
     ends = [(end, *in_unit(end, unit)) if end else (0.0, 1.0, "") for end in (low, high)]
-    texts = [_bare(factor * end) for end, factor, _ in ends]
+    texts = [bare(factor * end) for end, factor, _ in ends]
     names = [name for _, _, name in ends]
     if names[0] in ("", names[1]):
         return f"{texts[0]} to {texts[1]} {names[1]}".strip()
     return f"{texts[0]} {names[0]} to {texts[1]} {names[1]}".strip()
 
 
-def _bare(value: float) -> str:
-    """As it was declared, without trailing zeros."""
+def bare(value: float) -> str:
+    """Without trailing zeros: as it was declared, or as it stands at an axis."""
     text = plain(value, 3)
     return text.rstrip("0").rstrip(".") if "." in text and "·" not in text else text
 

@@ -10,14 +10,14 @@ from testbench.comparing.compare import Comparison
 from testbench.comparing.model_errors import channel_name
 from testbench.comparing.words import events_in_words
 from testbench.measurements.responses import UNIT_OF
-from testbench.results.model_file import ModelFile
+from testbench.results.model_file import AT_BOUND, UNTOLD, ModelFile, doubted
 
 STEP_WIDTH = 34  # of the ladder's first column, if no step needs more
 
 
 def fit_table(file: ModelFile) -> str:
     """Parameters with their standard errors, and plain words on what cannot be trusted."""
-    fit = file.fit
+    fit, doubts = file.fit, doubted(file.fit)
     vectors = {address.partition("[")[0]: "(shape weights)" for address in fit["parameters"] if "[" in address}
     vectors |= events_in_words(file.model, fit["parameters"])
     rows = []
@@ -25,14 +25,12 @@ def fit_table(file: ModelFile) -> str:
         if "[" in address:
             continue
         # Where a bound holds a parameter, nothing is known of its error.
-        error = "" if address in fit["at_bound"] else f"± {entry['standard_error']:.2g}"
+        error = "" if doubts.get(address) == AT_BOUND else f"± {entry['standard_error']:.2g}"
         rows.append(f"  {address:<38} {entry['value']:>12.5g} {error:<12} {entry['unit']}")
     rows += [f"  {name:<38} {words}" for name, words in sorted(vectors.items())]
-    bound, untold = ([name for name in fit[key] if "[" not in name] for key in ("at_bound", "unidentified"))
-    if bound:
-        rows.append(f"  at a bound (the law may not fit): {', '.join(bound)}")
-    if untold := [name for name in untold if name not in bound]:
-        rows.append(f"  this recording cannot tell: {', '.join(untold)}")
+    for doubt, remark in ((AT_BOUND, " (the law may not fit)"), (UNTOLD, "")):
+        if names := [name for name, told in doubts.items() if told == doubt and "[" not in name]:
+            rows.append(f"  {doubt}{remark}: {', '.join(names)}")
     for first, second, value in fit["correlated"][:3]:
         rows.append(f"  hardly told apart: {first} and {second} (correlation {value:+.2f})")
     return "\n".join(rows)
@@ -94,8 +92,7 @@ def comparison_table(result: Comparison) -> str:
         f"noise floor of {result.noise_floor[channel]:.2g} (estimated from the samples)"
         for channel, times in result.over_noise.items()
     ]
-    if not result.worst:
-        return "\n".join([*lines, *result.places])
-    lines.append("where it fails, the worst first:")
-    lines += [f"  {n}. {words}" for n, words in enumerate(result.places, 1)]
-    return "\n".join(lines)
+    if result.worst:
+        lines.append("where it fails, the worst first:")
+        lines += [f"  {n}. {place.words}" for n, place in enumerate(result.worst, 1)]
+    return "\n".join(filter(None, [*lines, result.unplaced]))

@@ -18,17 +18,19 @@ class DocSections:
 
     summary: str
     formula: str
+    remarks: str
     source: str
     valid: str
 
 
 def doc_sections(effect: type[Effect]) -> DocSections:
-    """Split the docstring: first paragraph, formula and remarks, ``Source:``, ``Valid:``."""
+    """Split the docstring: a paragraph that sums up, the formula, remarks; ``Source:``, ``Valid:``."""
     text = inspect.cleandoc(effect.__doc__ or "")
     body, _, tail = text.partition("Source:")
     source, _, valid = tail.partition("Valid:")
-    summary, _, formula = body.strip().partition("\n\n")
-    return DocSections(_one_line(summary), formula.strip(), _one_line(source), _one_line(valid))
+    summary, _, rest = body.strip().partition("\n\n")
+    formula, _, remarks = rest.partition("\n\n")
+    return DocSections(_one_line(summary), formula.strip(), *map(_one_line, (remarks, source, valid)))
 
 
 def _one_line(text: str) -> str:
@@ -68,7 +70,8 @@ def card_text(effect: type[Effect], catalogue: Catalogue) -> str:
     doc = doc_sections(effect)
     lines = [f"{effect.name}   ({_chain(effect)})", doc.summary, "", _indented(doc.formula), ""]
     lines += [f"in data    {effect.look}", "", *_table(parameter_rows(effect)), ""]
-    lines += [_wrapped("source", doc.source), _wrapped("valid", doc.valid)]
+    told = {"remarks": doc.remarks, "source": doc.source, "valid": doc.valid}
+    lines += [_wrapped(label, text) for label, text in told.items() if text]
     laws = other_laws(effect, catalogue)
     return "\n".join([*lines, _wrapped("other laws", ", ".join(laws))] if laws else lines)
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from gcode.support.arrays import FloatArray
 
+LEAST = 200  # samples that a look at a stretch needs
 POINTS = 2000  # nearly twice the pixels of a wide plot: each pixel column keeps its lowest and highest sample
 
 
@@ -32,7 +33,7 @@ def thinned(count: int, points: int) -> NDArray[np.intp]:
     return np.linspace(0, count - 1, points).round().astype(np.intp)
 
 
-def liveliest(time_s: FloatArray, energy: FloatArray, length_s: float, least: int = 2) -> tuple[float, float]:
+def liveliest(time_s: FloatArray, energy: FloatArray, length_s: float, least: int = LEAST) -> tuple[float, float]:
     """The stretch of `length_s`, of at least so many samples, that holds most of `energy`, shape (n,); the first."""
     width = min(len(time_s), max(round(length_s / float(np.median(np.diff(time_s)))), least))
     sums = np.concatenate([[0.0], np.cumsum(energy)])

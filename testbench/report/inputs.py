@@ -17,28 +17,14 @@ class Inputs:
 
     Attributes
     ----------
-    recordings : tuple of Recording
-        The first is what the model was fitted on.
-    held_out : Recording, optional
-        The recording that errors are judged on.
-    model : ModelFile, optional
+    recordings, held_out, diagnoses, compensator, commands, title, resistance
+        As `testbench.make_report` takes them, and read.
     model_name : str
         What an error calls the model: its file.
     catalogue : Catalogue
         With the user's own effects.
-    diagnoses : tuple of mapping
-        JSON of ``testbench diagnose``, the oldest first: those that led to the steps of the model, and the last one.
-        Without a model, the last one's own before and after are shown.
-    compensator : mapping, optional
-        The JSON of ``compensation score``.
     files : tuple of str
         Where all of these came from, for their checksums.
-    commands : str, optional
-        A text file with the command lines that led here.
-    title : str
-        Empty: made of the names.
-    resistance : bool
-        Show the resistance in kΩ wherever the conductance would be.
     """
 
     recordings: tuple[Recording, ...] = ()

@@ -3,6 +3,7 @@ const NARROW_PX = 560, PANEL_PX = 230, GAP_PX = 58;
 
 window.forNarrow = ({ data, layout }, width) => {
   const narrow = width < NARROW_PX;
+  if (narrow) data = data.map((trace) => (trace.showlegend ? { ...trace, name: wrapped(trace.name, width) } : trace));
   const panels = narrow ? panelsOf(layout) : [];
   const columns = new Set(panels.map((panel) => panel.left.toFixed(2)));
   const margin = narrow || matchMedia("(hover: none)").matches ? roomFor({ data, layout }, width, narrow) : {};
@@ -54,12 +55,23 @@ const roomFor = ({ data, layout }, width, narrow) => {
   return { margin: { ...layout.margin, t: Math.max(layout.margin?.t ?? 0, top), l: left, r: right } };
 };
 
+// A name in a legend that is longer than the screen is wide goes on below.
+const wrapped = (name = "", width) => {
+  const lines = [];
+  for (const word of name.split(" ")) {
+    const longer = [...lines.slice(-1), word].join(" ");
+    if (lines.length && SIGN_PX + LETTER_PX * longer.length < width) lines.pop();
+    lines.push(SIGN_PX + LETTER_PX * longer.length < width ? longer : word);
+  }
+  return lines.join("<br>");
+};
 // How many lines the entries of a legend above the panels take: they stand in columns as wide as the longest.
 const legendLines = ({ data, layout }, width) => {
   const names = data.filter((trace) => trace.showlegend).map((trace) => trace.name ?? "");
   if (!names.length || (layout.legend?.y ?? 1) < 1) return 0;
-  const columns = Math.floor(width / (SIGN_PX + LETTER_PX * Math.max(...names.map((name) => name.length))));
-  return Math.ceil(names.length / Math.max(1, columns));
+  const lines = names.flatMap((name) => name.split("<br>"));
+  const columns = Math.floor(width / (SIGN_PX + LETTER_PX * Math.max(...lines.map((line) => line.length))));
+  return Math.ceil(lines.length / Math.max(1, columns));
 };
 
 // A note on the paper goes where its panel went; one that is tied to axes goes with them by itself.

@@ -22,7 +22,7 @@ from testbench.report.figures.comparison_figures import Overlay
 from testbench.report.figures.ladder_figures import Step
 from testbench.results.model_file import ModelFile
 
-LOOK_S, LOOK_SAMPLES = 30.0, 200  # how much is shown around a place: so long, and at least so many samples
+LOOK_S = 30.0  # how much is shown around a place
 
 
 def zero_in_words(file: ModelFile) -> str:
@@ -105,7 +105,7 @@ def spans_of(compared: Comparison, measurement: Measurement, both: Overlay) -> l
         if direction:
             inside &= where["direction"] == direction
         energy = np.where(inside, both.residual(place.channel) ** 2, 0.0)
-        found.append(liveliest(both.time_s, energy, LOOK_S, LOOK_SAMPLES))
+        found.append(liveliest(both.time_s, energy, LOOK_S))
     return found
 
 

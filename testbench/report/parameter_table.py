@@ -6,15 +6,19 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from pydantic.fields import FieldInfo
+
 from testbench.comparing.numbers import allowed, in_words, with_error
 from testbench.comparing.words import events_in_words, spoken
 from testbench.fitting.parameters import HELD
 from testbench.knit.effect import bounds_of
 from testbench.knit.model import KnitModel
 from testbench.report.document import Table
+from testbench.results.model_file import AT_BOUND, doubted
 
 HEAD = ("Parameter", "Value", "Allowed range", "Doubts", "What it is")
 HELD_SD = HELD**-0.5  # in the fit's coordinate
+NAME = re.compile(r"`(\w+)`")  # of a parameter, within a description
 UNIT_TAIL = re.compile(r"_(N|s|S|ohm|mm|C|per_s|per_N|per_C|Hz|N_per_s|ppm)$")
 
 
@@ -46,7 +50,7 @@ def _row(address: str, entry: Mapping[str, Any], fit: Mapping[str, Any], model: 
     bounds, meaning = _allowed_and_meant(address, unit, model)
     held = is_held(value, error)
     # Where a bound holds a parameter, nothing is known of its error.
-    alone = held or address in fit.get("at_bound", ())
+    alone = held or doubted(fit).get(address) == AT_BOUND
     told = in_words(value, unit) if alone else with_error(value, error, unit)
     doubt = "; ".join([*doubts(address, fit), *(["held while the rest was fitted"] if held else [])])
     return parameter_name(address), told, bounds, doubt, meaning
@@ -59,7 +63,12 @@ def _allowed_and_meant(address: str, unit: str, model: KnitModel) -> tuple[str, 
     if field is None:
         return "", ""
     extra = bounds_of(field)
-    return allowed(float(extra["low"]), float(extra["high"]), unit), field.description or ""
+    return allowed(float(extra["low"]), float(extra["high"]), unit), meaning_of(field)
+
+
+def meaning_of(field: FieldInfo) -> str:
+    """What a parameter is, in words."""
+    return NAME.sub(lambda found: name_without_unit(found[1]), field.description or "")
 
 
 def is_held(value: float, error: float) -> bool:
@@ -80,11 +89,7 @@ def name_without_unit(key: str) -> str:
 
 def doubts(address: str, fit: Mapping[str, Any]) -> list[str]:
     """Why a value should not be trusted; empty where nothing speaks against it."""
-    found = []
-    if address in fit.get("at_bound", ()):
-        found.append("at its bound")
-    elif address in fit.get("unidentified", ()):
-        found.append("not identifiable from this recording")
+    found = [told for doubt, told in doubted(fit).items() if doubt == address]
     others = [_other(address, pair) for pair in fit.get("correlated", ())]
     twins = [parameter_name(other) for other in others if other and "[" not in other]
     if twins:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from testbench.comparing.numbers import over_noise, plain
+from testbench.comparing.words import percent, spoken
 from testbench.recordings.manifest import CSV
 from testbench.recordings.recording import Recording
 from testbench.report import words
@@ -65,8 +66,8 @@ def comparison_section(
             (str(n), place.words, f"{100 * place.share_of_error:.0f} %") for n, place in enumerate(compared.worst, 1)
         ]
         items.append(Table(("", "Where it fails, the worst first", "Share of the squared error"), rows))
-    else:
-        items.append(words.sentence(compared.places[0]))
+    if compared.unplaced:
+        items.append(words.sentence(compared.unplaced))
     over_time = comparison_figures.overlay(both)
     items.append(Picture("comparison-time", over_time, comparison_figures.OVERLAY_CAPTION))
     items.append(Picture("comparison-loops", comparison_figures.modelled_loops(both), "The same as loops."))
@@ -207,14 +208,10 @@ def diagnosis_section(diagnosis: Mapping[str, Any], title: str = "What is missin
 
 def candidates_table(diagnosis: Mapping[str, Any]) -> Table:
     """Every ranked effect with its one number: what a refit with it leaves of the held-out error."""
-    told = any(words.probability_of(diagnosis, entry["effect"]) is not None for entry in diagnosis["ranking"])
-    head = ("", "Effect", *(("Probability",) if told else ()), "Held-out error left", "95 %", "Law")
     rows = []
     for number, entry in enumerate(diagnosis["ranking"][: diagnosis_figures.SHOWN], 1):
-        probability = words.probability_of(diagnosis, entry["effect"])
-        chance = ("" if probability is None else words.percent(probability),) if told else ()
+        chance = percent(entry["probability"])
         left = words.error_left(entry) or words.NOT_REFITTED
-        law = words.spoken(entry["law"]) if entry["law"] != entry["effect"] else ""
-        name = words.spoken(entry["effect"])
-        rows.append((str(number), name, *chance, left, words.error_left_between(entry), law))
-    return Table(head, rows)
+        law = spoken(entry["law"]) if entry["law"] != entry["effect"] else ""
+        rows.append((str(number), spoken(entry["effect"]), chance, left, words.error_left_between(entry), law))
+    return Table(("", "Effect", "Probability", "Held-out error left", "95 %", "Law"), rows)

@@ -29,8 +29,6 @@ from testbench.report.parameter_table import parameter_table
 from testbench.report.words import with_unit
 from testbench.results.model_file import ModelFile, check_same_set_up
 
-GLANCE_S = 60.0
-
 
 @dataclass(frozen=True)
 class Story:
@@ -104,7 +102,7 @@ class Story:
         items: list[Item] = [Facts(glance_facts(self.steps))]
         if self.judged:
             inside = self._seen(overlay_of(self.judged, models_of(self.file, self.catalogue), free_offset=True))
-            figure = ladder_figures.at_a_glance(inside, self.steps, busiest_window(inside, GLANCE_S))
+            figure = ladder_figures.at_a_glance(inside, self.steps, busiest_window(inside))
             items.append(Picture("at-a-glance", figure, ladder_figures.GLANCE_CAPTION))
         return items
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from gcode.support.colours import BLUE, GREEN, PURPLE, VERMILION
 from gcode.support.colours import ORANGE as ORANGE
 from gcode.support.colours import SKY as SKY
+from testbench.comparing.numbers import bare
 
 Figure = dict[str, Any]  # a Plotly figure as plain data: {"data": [...], "layout": {...}}
 
@@ -40,9 +42,19 @@ def axis(title: str = "", **more: Any) -> dict[str, Any]:
         "tickfont": {"size": 11, "color": MUTED},
         "automargin": True,
         "exponentformat": "power",  # no "500µ" beside "0.001"
-        "minexponent": 4,  # a day has 86400 s, not 8.64·10⁴
+        "minexponent": 4,
         **more,
     }
+
+
+def log_ticks(values: Sequence[float]) -> dict[str, Any]:
+    """Settings of a logarithmic axis: its decades are named, and their 2 and 5 where there are few of them."""
+    low, high = min(values), max(values)
+    steps = (1,) if high >= 100 * low else (1, 2, 5)
+    decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    inside = [tick for decade in decades for step in steps if low <= (tick := step * 10.0**decade) <= high]
+    ticks = inside or [low, high]
+    return {"type": "log", "tickvals": ticks, "ticktext": [bare(tick) for tick in ticks]}
 
 
 def figure(data: list[dict[str, Any]], *, height: int, **layout: Any) -> Figure:
@@ -91,7 +103,7 @@ def stacked_axes(
         low = max(top - height * unit, 0.0)
         axes[axis_key("yaxis", row)] = axis(title, domain=[low, top], anchor="x")
         top = low - gap
-    axes["xaxis"] = axis(x_title, anchor=y_ref(len(titles) - 1))
+    axes["xaxis"] = axis(x_title, anchor=y_ref(len(titles) - 1), minexponent=6)  # a week has 604800 s
     return axes
 
 

@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from testbench.comparing.carried_over import fails_elsewhere
 from testbench.comparing.numbers import plain
-from testbench.comparing.words import MANY, listed, percent, percent_left, spoken, still_off
+from testbench.comparing.words import MANY, listed, percent_left, spoken
+from testbench.diagnosis.verdict import verdict_clauses
 from testbench.measurements.responses import UNIT_OF
 
 PANEL_UNITS = {**UNIT_OF, "resistance": "kΩ"}  # of an axis or a table, by what it shows
@@ -32,79 +32,11 @@ def duration_in_words(duration_s: float) -> str:
 
 
 def verdict_in_words(diagnosis: Mapping[str, Any]) -> str:
-    """The verdict of a diagnosis in one or two sentences."""
-    verdict, ranking = diagnosis["verdict"], diagnosis["ranking"]
-    if verdict == "missing" and ranking:
-        return _missing(diagnosis)
-    if verdict == "unknown":
-        return _unknown(diagnosis) + _depends(diagnosis)
-    probability = probability_of(diagnosis, "nothing")
-    said = f"Nothing is missing that these recordings could show{_bracketed(probability)}."
-    if bend := diagnosis.get("bends_like"):
-        said += f" But a law of the base is bent as {with_probability(diagnosis, bend)} would bend it."
-    return said + _held_out(diagnosis)
-
-
-def _held_out(diagnosis: Mapping[str, Any]) -> str:
-    """What is said where the held-out error is not what the first words promise."""
-    history = diagnosis.get("history")
-    fails = fails_elsewhere(history, len(diagnosis["found"])) if history else ""
-    but = fails or still_off(diagnosis["error_after"], diagnosis["noise_floor"])
-    return f" But {but}." if but else ""
-
-
-def _unknown(diagnosis: Mapping[str, Any]) -> str:
-    """That no effect explains enough; of one that is more probable than that there is none, what it leaves."""
-    probability, first = probability_of(diagnosis, "unknown"), next(iter(diagnosis["ranking"]), None)
-    if first is None or (first.get("probability") or 0.0) <= (probability or 0.0):
-        return f"Something is missing that no effect of the catalogue explains{_bracketed(probability)}."
-    probable = with_probability(diagnosis, first["effect"])
-    left = f"{100 * first['error_share_left']:.0f} % of the error above the noise"
-    return f"No effect of the catalogue explains most of what is missing: {probable} is probable, but leaves {left}."
-
-
-def _bracketed(probability: float | None) -> str:
-    return "" if probability is None else f" ({percent(probability)})"
-
-
-def _depends(diagnosis: Mapping[str, Any]) -> str:
-    most = [
-        f"{entry['channel']} on {spoken(entry['coordinate'])} ({percent(entry['gain'])} of it)"
-        for entry in diagnosis.get("depends_on", [])[:2]
-    ]
-    return f" What is left depends most on this: {'; '.join(most)}." if most else ""
-
-
-def _missing(diagnosis: Mapping[str, Any]) -> str:
-    first = diagnosis["ranking"][0]
-    found = diagnosis["found"]
-    names = [with_probability(diagnosis, found[0]["effect"])]
-    names += [f"{spoken(one['effect'])} ({percent(one['probability'])})" for one in found[1:]]
-    tied = [with_probability(diagnosis, name) for name in diagnosis.get("tied", []) if name != found[0]["effect"]]
-    left = error_left(first) if len(found) == 1 else ""
-    sentence = f"The model is missing {', then '.join(names)}"
-    mean = ", the mean of the channels," if len(diagnosis["error_before"]) > 1 else ""
-    sentence += f": with it {left} of the held-out error{mean} is left." if left else "."
-    sentence += f" In all, {error_fall(diagnosis['error_before'], diagnosis['error_after'])}."
-    if tied:
-        which = "it" if len(found) == 1 else spoken(found[0]["effect"])
-        sentence += f" These recordings cannot tell {which} from {' or '.join(tied)}."
-    return sentence + _held_out(diagnosis)
-
-
-def with_probability(diagnosis: Mapping[str, Any], effect: str) -> str:
-    """``stress relaxation (97 %)``; without the figure where the diagnosis has none."""
-    probability = probability_of(diagnosis, effect)
-    return spoken(effect) if probability is None else f"{spoken(effect)} ({percent(probability)})"
-
-
-def probability_of(diagnosis: Mapping[str, Any], effect: str) -> float | None:
-    """How probable it is that just this is missing (or ``nothing``, or ``unknown``); None in older diagnoses."""
-    found = (diagnosis.get("probabilities") or {}).get(effect)
-    if found is None:
-        rows = (row for row in diagnosis.get("ranking", []) if row["effect"] == effect)
-        found = next((row["probability"] for row in rows if row.get("probability") is not None), None)
-    return None if found is None else float(found)
+    """The verdict of a diagnosis in a few sentences, and what it did to the held-out error."""
+    said = [*verdict_clauses(diagnosis)]
+    if diagnosis["verdict"] == "missing":
+        said.append(error_fall(diagnosis["error_before"], diagnosis["error_after"]))
+    return " ".join(map(sentence, said))
 
 
 def error_left(entry: Mapping[str, Any]) -> str:

@@ -22,6 +22,7 @@ from testbench.recordings.channels import FORCE, RESISTANCE
 from testbench.recordings.recording import Recording
 from testbench.recordings.stored import Label, StoredModel, checked_model
 
+AT_BOUND, UNTOLD = "at a bound", "this recording cannot tell"
 MEASURED_AS = {FORCE_CHANNEL: FORCE, CONDUCTANCE_CHANNEL: RESISTANCE}
 
 
@@ -167,6 +168,12 @@ def about_model(path: str | Path) -> Mapping[str, Any]:
     return validated(checked_model(read_json(path, "model"), path), _Rest, path, "model").model_dump(
         mode="json", exclude_unset=True
     )
+
+
+def doubted(fit: Mapping[str, Any]) -> dict[str, str]:
+    """Why a fitted value should not be trusted, by its address: a bound holds it, or else the recording is silent."""
+    untold, at_bound = fit.get("unidentified", ()), fit.get("at_bound", ())
+    return dict.fromkeys(untold, UNTOLD) | dict.fromkeys(at_bound, AT_BOUND)
 
 
 def same_source(kept: str, source: str) -> bool:

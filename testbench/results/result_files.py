@@ -13,6 +13,7 @@ from pydantic import Field, model_validator
 
 from gcode.support.errors import UserError
 from gcode.support.strict import StrictModel, json_of, read_text, validated
+from testbench.knit.effect_names import HYPOTHESES
 from testbench.recordings.stored import GaugeLength, Label, StoredModel, checked_model
 from testbench.results.model_file import Errors, ExtraKept, Step, Summary
 
@@ -87,8 +88,11 @@ class StoredDiagnosis(ExtraKept):
         strange = [name for name in self.tied if name not in ranked]
         if strange:
             raise ValueError(f"tied: {strange[0]!r} is not in the ranking")
-        if self.verdict == "missing" and not self.ranking:
-            raise ValueError("verdict: something is missing, but nothing is ranked")
+        if self.verdict == "missing" and not (self.ranking and self.found):
+            raise ValueError("verdict: something is missing, but nothing is ranked or found")
+        named = [*HYPOTHESES, *(one.effect for one in self.ranking), *filter(None, [self.bends_like])]
+        if unknown := [name for name in named if name not in self.probabilities]:
+            raise ValueError(f"probabilities: there is none of {unknown[0]!r}")
         Errors(calibration=self.error_before, held_out=self.error_after)
         if set(self.error_before) != set(self.error_after) or set(self.error_before) != set(self.noise_floor):
             raise ValueError("error_before, error_after and noise_floor must be of the same channels")

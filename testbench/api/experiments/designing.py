@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from gcode.programs.make import Made
 from gcode.support.errors import UserError
-from gcode.support.figures import panels, picture
+from gcode.support.figures import picture
 from gcode.support.html import card, frame_table
 from gcode.support.kinds import flag, whole
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
@@ -26,10 +26,10 @@ from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import FloatArray
 from testbench.measurements.splitting import split
 from testbench.recordings.channels import TEMPERATURE
-from testbench.report import style
 from testbench.report.downsample import rows_to_draw
 from testbench.report.figures.experiment_figures import experiment as figure_of
-from testbench.report.writing.static import write_figure
+from testbench.report.figures.experiment_figures import ranking
+from testbench.report.writing.static import draw_on, write_figure
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -95,21 +95,16 @@ class NextExperiment:
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the expected log odds of every protocol on `axes` (default: of a new figure); returns them."""
-        (axis,) = panels(axes, 1)
-        odds = [option.hardest.log_odds for option in self.options]
-        colours = [style.VERMILION] + [style.SKY] * (len(odds) - 1)
-        axis.barh(range(len(odds)), odds, color=colours)
-        axis.set_yticks(range(len(odds)), [option.name for option in self.options])
-        axis.invert_yaxis()
-        axis.set_xlabel("expected log odds for the right model / nats")
-        return axis
+        return draw_on(ranking(self._evidence()), axes)[0]
+
+    def _evidence(self) -> list[tuple[str, float]]:
+        return [(option.name, option.hardest.log_odds) for option in self.options]
 
     def write_picture(self, path: str | Path) -> None:
         """Draw the ranking, the best motion and what it would show into a PNG, PDF or SVG."""
         made = self.program.trajectory
         strain = 100 * made.position_mm / self.gauge_length_mm
-        evidence = [(option.name, option.hardest.log_odds) for option in self.options]
-        write_figure(figure_of(evidence, made.time_s, strain, self.left()), path)
+        write_figure(figure_of(self._evidence(), made.time_s, strain, self.left()), path)
 
     def _repr_html_(self) -> str:
         frame = frame_table(self.to_frame())

@@ -7,16 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gcode.support.figures import panels, picture
+from gcode.support.figures import picture
 from gcode.support.html import card, frame_table
 from gcode.support.read_only import read_only
 from gcode.trajectories.trajectory import read_csv
 from testbench.investigating.state import SURE, Investigation, RunState, program_folder
-from testbench.investigating.words import ending_words, investigation_words, spoken
+from testbench.investigating.words import ending_words, investigation_words
 from testbench.knit.effect import FloatArray
-from testbench.report.figures.investigation_figures import COLOURS, hypotheses
 from testbench.report.figures.investigation_figures import investigation as figure_of
-from testbench.report.writing.static import write_figure
+from testbench.report.writing.static import draw_on, write_figure
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -93,18 +92,7 @@ class InvestigationResult:
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the belief over the time of motion on `axes` (default: of a new figure); returns them."""
-        (axis,) = panels(axes, 1)
-        beliefs = self.beliefs()
-        minutes = [sum(run.seconds for run in self.state.runs[:number]) / 60 for number in beliefs.index]
-        for colour, name in zip(COLOURS, hypotheses(self.state), strict=False):
-            axis.plot(minutes, 100 * beliefs[name].fillna(0), marker="o", color=colour, label=spoken(name))
-        axis.axhline(100 * self.state.settings.sure, color="0.7", linestyle="--", linewidth=1)
-        axis.set_ylim(0, 103)
-        axis.set_xlabel("time of motion / min")
-        axis.set_ylabel("probability / %")
-        if axis.lines[:-1]:
-            axis.legend(frameon=False)
-        return axis
+        return draw_on(figure_of(self.state), axes)[0]
 
     def write_picture(self, path: str | Path) -> None:
         """Draw belief and motions into a PNG, PDF or SVG."""

@@ -7,15 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-from gcode.support.figures import outline, panels, picture
+from gcode.support.figures import picture
 from gcode.support.html import card
 from testbench.api.arguments import Effects, Source, catalogue_of, recordings_for
 from testbench.api.missing.diagnosing import DiagnosisResult, diagnosis_data
-from testbench.api.models.overlay import residual_label
 from testbench.comparing import contribution as core
 from testbench.comparing.carried_over import step_before
 from testbench.comparing.contribution import Contribution
@@ -25,8 +22,8 @@ from testbench.comparing.words import spoken
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.effect import Effect
 from testbench.measurements.responses import CONDUCTANCE_CHANNEL, UNIT_OF
-from testbench.recordings.recording import gaps_in
-from testbench.report import style
+from testbench.report.figures.diagnosis_figures import prediction
+from testbench.report.writing.static import draw_on
 from testbench.results.model_file import ModelFile
 from testbench.results.result_files import checked_diagnosis
 
@@ -81,19 +78,8 @@ class ContributionResult:
         ndarray of Axes, shape (channels,)
         """
         found = self.contribution
-        on, gaps = panels(axes, len(found.added)), gaps_in(found.time_s)
-        for axis, channel in zip(on, found.added, strict=True):
-            for values, colour, label in (
-                (found.residual[channel], style.MEASURED, "what the model leaves"),
-                (found.added[channel], style.VERMILION, f"what {spoken(self.effect.name)} would add"),
-            ):
-                drawn = outline(found.time_s, values, 2000, gaps)
-                axis.plot(*drawn, color=colour, linewidth=1, label=label)
-            axis.set_ylabel(residual_label(channel))
-            axis.margins(x=0)
-        on[0].legend(frameon=False, ncols=2)
-        on[-1].set_xlabel("time / s")
-        return np.array(on)
+        figure = prediction(found.time_s, found.residual, found.added, effect=spoken(self.effect.name))
+        return draw_on(figure, axes)
 
     def _repr_html_(self) -> str:
         return card(

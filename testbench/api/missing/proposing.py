@@ -23,7 +23,7 @@ from testbench.proposing.proposal import MOST_LAWS
 from testbench.proposing.words import as_json, first_line, proposal_text, story
 from testbench.proposing.writing import file_text, free_path
 from testbench.report.figures.proposal_figures import proposal as figure_of
-from testbench.report.writing.static import figure_format, write_figure
+from testbench.report.writing.static import check_figure, write_figure
 from testbench.results.model_file import ModelFile
 
 if TYPE_CHECKING:
@@ -219,8 +219,7 @@ def check_effect_file(
     if effect.suffix != ".py":
         raise UserError(f"{effect}: an effect is a Python file; give a name like my_effect.py")
     drawn = free_path(picture or effect.with_suffix(".png"))
-    figure_format(drawn)
     check_place(effect)
-    check_place(drawn)
+    check_figure(drawn)
     check_names(effect.stem, str(effect), catalogue_of(effects).effects, most)
     return effect, drawn

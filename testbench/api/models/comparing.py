@@ -6,15 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from gcode.support.errors import UserError
-from gcode.support.figures import panels, picture
+from gcode.support.figures import picture
 from gcode.support.html import card, table
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
-from testbench.api.models.overlay import in_a_sentence, residual_label
 from testbench.comparing import compare as comparing
-from testbench.comparing.cell import Cell
 from testbench.comparing.compare import Comparison
 from testbench.comparing.judged import Judged, judged
 from testbench.comparing.model_errors import channel_name
@@ -23,14 +19,12 @@ from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.preparing import prepare
 from testbench.measurements.responses import UNIT_OF
-from testbench.report import style
-from testbench.report.figures.residual_figures import COORDINATE_TITLES, LOG_COORDINATES, centre
+from testbench.report.figures.residual_figures import profile
+from testbench.report.writing.static import draw_on
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
-
-WAYS = {1: ("stretching", style.BLUE, "^"), -1: ("releasing", style.VERMILION, "D"), 0: ("", style.INK, "o")}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -103,16 +97,12 @@ class ComparisonResult:
         -------
         ndarray of Axes, shape (channels,)
         """
-        on = panels(axes, len(self.comparison.maps))
-        for axis, (channel, maps) in zip(on, self.comparison.maps.items(), strict=True):
-            name = coordinate or self._worst_coordinate(channel)
-            if name not in maps:
-                raise UserError(f"plot: coordinate must be one of {', '.join(maps)}; got {name!r}")
-            _profile(axis, maps[name], name)
-            axis.axhline(0, color=style.FAINT, linewidth=0.8)
-            axis.set_xlabel(in_a_sentence(COORDINATE_TITLES[name]))
-            axis.set_ylabel(residual_label(channel))
-        return np.array(on)
+        maps = self.comparison.maps
+        chosen = {channel: coordinate or self._worst_coordinate(channel) for channel in maps}
+        for channel, name in chosen.items():
+            if name not in maps[channel]:
+                raise UserError(f"plot: coordinate must be one of {', '.join(maps[channel])}; got {name!r}")
+        return draw_on(profile(maps, chosen), axes)
 
     def _worst_coordinate(self, channel: str) -> str:
         return next((place.coordinate for place in self.comparison.worst if place.channel == channel), "strain")
@@ -125,20 +115,6 @@ class ComparisonResult:
         parts = table(("channel", "RMS error", "noise floor"), rows), picture(self.plot, len(rows))
         lines = [*self.comparison.places, *self.notes]
         return card("Where the model fails", lines, *parts)
-
-
-def _profile(axis: Axes, cells: Sequence[Cell], coordinate: str) -> None:
-    for direction, (label, colour, marker) in WAYS.items():
-        mine = [cell for cell in cells if cell.direction == direction]
-        if mine:
-            x, y = [centre(cell, coordinate) for cell in mine], [cell.mean for cell in mine]
-            error = [2 * cell.standard_error for cell in mine]
-            look: dict[str, Any] = {"color": colour, "marker": marker, "markersize": 4, "linewidth": 1}
-            axis.errorbar(x, y, yerr=error, label=label or None, **look)
-    if coordinate in LOG_COORDINATES:
-        axis.set_xscale("log")
-    if axis.get_legend_handles_labels()[1]:
-        axis.legend(frameon=False)
 
 
 def compare(

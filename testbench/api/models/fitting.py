@@ -19,7 +19,7 @@ from testbench.comparing.tables import errors_line, fit_table
 from testbench.fitting.baseline import starting_baseline
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.splitting import split
-from testbench.results.model_file import ModelFile
+from testbench.results.model_file import ModelFile, doubted
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -78,9 +78,7 @@ class FitResult(ModelResult):
         """As `parameters`."""
         import pandas as pd
 
-        fit = self.file.fit
-        notes = dict.fromkeys(fit["unidentified"], "this recording cannot tell")
-        notes |= dict.fromkeys(fit["at_bound"], "at a bound")
+        fit, notes = self.file.fit, doubted(self.file.fit)
         frame = pd.DataFrame.from_dict(fit["parameters"], orient="index", columns=["value", "standard_error", "unit"])
         return frame.assign(note=[notes.get(address, "") for address in frame.index]).rename_axis("parameter")
 

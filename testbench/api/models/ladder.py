@@ -6,18 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from gcode.support.errors import UserError
-from gcode.support.figures import panels, picture
+from gcode.support.figures import picture
 from gcode.support.html import card, frame_table
 from gcode.support.read_only import free_copy
 from testbench.api.arguments import AnyModel, Effects, catalogue_of, model_file_of
 from testbench.comparing.model_errors import channel_name
 from testbench.comparing.tables import ladder_rows, ladder_table
 from testbench.measurements.responses import UNIT_OF
-from testbench.report import style
-from testbench.report.figures.ladder_figures import NAMED, step_names
+from testbench.report.figures.ladder_figures import ladder as figure_of
+from testbench.report.overlays import steps_of
+from testbench.report.writing.static import draw_on
 from testbench.results.model_file import ModelFile
 
 if TYPE_CHECKING:
@@ -70,18 +69,7 @@ class Ladder:
         -------
         ndarray of Axes, shape (channels,)
         """
-        channels = list(self.file.history[0]["errors"]["held_out"])
-        on = panels(axes, len(channels))
-        for axis, channel in zip(on, channels, strict=True):
-            held = [step["errors"]["held_out"][channel] for step in self.file.history]
-            colours = [style.ORANGE] * (len(held) - 1) + [style.VERMILION]
-            axis.bar(range(len(held)), held, color=colours, width=0.6)
-            floor = self.file.history[-1]["noise_floor"][channel]
-            axis.axhline(floor, color=style.INK, linestyle="--", linewidth=1.2, label="noise floor")
-            axis.set_xticks(range(len(held)), step_names(self.steps, "\n", len(held) <= NAMED), fontsize=8)
-            axis.set_ylabel(f"held-out {channel_name(channel)}\nerror / {UNIT_OF[channel]}")
-        on[0].legend(frameon=False)
-        return np.array(on)
+        return draw_on(figure_of(steps_of(self.file.history)), axes)
 
     def _repr_html_(self) -> str:
         count = len(self.file.history[0]["errors"]["held_out"])

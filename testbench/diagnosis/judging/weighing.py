@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from scipy.special import logsumexp
 
+from testbench.comparing.carried_over import LEFT_AT_MOST
 from testbench.diagnosis.judging.comparison import ModelComparison
 from testbench.diagnosis.judging.entries import Entry, Proposal, Whole
 from testbench.diagnosis.judging.probabilities import (
@@ -23,7 +24,6 @@ from testbench.diagnosis.judging.probabilities import (
 )
 from testbench.fitting import constants
 
-LEFT_AT_MOST = 0.5  # of what laws should explain, by those that are named
 EITHER = -float(np.log(2))  # log prior of each of two that are as likely
 
 

@@ -33,9 +33,9 @@ class ContactRelaxationLaw(Effect):
 class ContactRelaxation(ContactRelaxationLaw):
     """The yarns yield where they touch: the pressing force fades although the knit's force holds.
 
-    With a negative fraction the contacts bed in instead, and seem pressed the harder the longer.
-
     P(t) = P_0(t) - fraction * integral of (1 - exp(-(t - s) / tau)) dP_0(s)
+
+    With a negative fraction the contacts bed in instead, and seem pressed the harder the longer.
 
     Source: Holm, Electric Contacts (1967) (stress relaxation of contacts); Prony form as `stress_relaxation`.
     Valid: small changes of the contact geometry.

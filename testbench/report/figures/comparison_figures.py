@@ -21,6 +21,7 @@ OVERLAY_CAPTION = (
     "Measured and modelled; under each the residual, measured minus modelled; grey: twice the noise floor."
 )
 CHANNEL_TITLES = {"force": "Force / N", "conductance": "ln (G / S)", "resistance": "Resistance / kΩ"}
+RESIDUALS = {channel: f"{channel.capitalize()}<br>residual / {PANEL_UNITS[channel]}" for channel in CHANNEL_TITLES}
 RESIDUAL_TITLES = {channel: f"Residual / {PANEL_UNITS[channel]}" for channel in CHANNEL_TITLES}
 
 
@@ -126,15 +127,29 @@ def overlay(both: Overlay, start_s: float | None = None, end_s: float | None = N
 
 
 def _channel_traces(both: Overlay, channel: str, rows: slice, row: int) -> list[dict[str, Any]]:
-    time_s, gaps = both.time_s[rows], both.gaps
-    look: dict[str, Any] = {"gaps": gaps, "showlegend": row == 0}
-    traces = [line(time_s, both.measured[channel][rows], style.MEASURED, "measured", row, **look)]
+    traces = signal_traces(both, channel, rows, row)
     for index, label in enumerate(both.modelled):
+        colour, residual = model_colour(index, len(both.modelled)), both.residual(channel, label)[rows]
+        traces.append(line(both.time_s[rows], residual, colour, f"{label}: residual", row + 1, gaps=both.gaps))
+    return traces
+
+
+def signals(both: Overlay) -> style.Figure:
+    """Measured and modelled over time, one row a channel."""
+    channels = list(both.measured)
+    traces = [trace for row, c in enumerate(channels) for trace in signal_traces(both, c, slice(None), row)]
+    axes = style.stacked_axes([CHANNEL_TITLES[channel] for channel in channels], "Time / s")
+    return style.figure(traces, height=190 * len(channels) + 70, **axes)
+
+
+def signal_traces(both: Overlay, channel: str, rows: slice, row: int, **place: str) -> list[dict[str, Any]]:
+    """A channel as measured and as each model has it."""
+    look: dict[str, Any] = {"gaps": both.gaps, "showlegend": row == 0, **place}
+    time_s = both.time_s[rows]
+    traces = [line(time_s, both.measured[channel][rows], style.MEASURED, "measured", row, width=2.0, **look)]
+    for index, (label, modelled) in enumerate(both.modelled.items()):
         colour = model_colour(index, len(both.modelled))
-        values = both.modelled[label][channel][rows]
-        traces.append(line(time_s, values, colour, label, row, **look))
-        residual = both.residual(channel, label)[rows]
-        traces.append(line(time_s, residual, colour, f"{label}: residual", row + 1, gaps=gaps))
+        traces.append(line(time_s, modelled[channel][rows], colour, label, row, **look))
     return traces
 
 
@@ -157,10 +172,10 @@ def _area(colour: str, opacity: float) -> dict[str, Any]:
 
 
 def modelled_loops(both: Overlay) -> style.Figure:
-    """Hysteresis loops of a few half minutes, modelled over measured: force and ln G over strain."""
+    """Hysteresis loops of a few stretches, modelled over measured: force and ln G over strain."""
     names = ["measured", *both.modelled]
     colours = [style.MEASURED, *(model_colour(i, len(both.modelled)) for i in range(len(both.modelled)))]
-    rows = _joined([unbroken(part, both.time_s, both.gaps) for part in stretches(both.time_s, LOOPS)])
+    rows = _joined([unbroken(part, both.time_s, both.gaps) for part in stretches(both.time_s, both.strain, LOOPS)])
     strain_percent = at_rows(100 * both.strain, rows)
     traces = []
     for column, channel in enumerate(both.measured):
@@ -177,8 +192,8 @@ def _joined(parts: Sequence[NDArray[np.intp]]) -> NDArray[np.intp]:
     return np.concatenate([np.append(rows, -1) for rows in parts])[:-1]
 
 
-def busiest_window(both: Overlay, length_s: float) -> tuple[float, float]:
-    """The stretch of `length_s` in which the residuals of the first model are largest: the one to look at."""
+def busiest_window(both: Overlay, length_s: float = 60.0) -> tuple[float, float]:
+    """The stretch of about `length_s` in which the residuals of the first model are largest: the one to look at."""
     first = next(iter(both.modelled))
     size = sum(
         (both.residual(channel, first) / (float(np.ptp(values)) or 1.0)) ** 2

@@ -9,19 +9,20 @@ import numpy as np
 
 from gcode.support.arrays import FloatArray
 from testbench.comparing.words import percent_left, spoken
+from testbench.diagnosis.verdict import with_probability
 from testbench.recordings.recording import gaps_in
 from testbench.report import style
 from testbench.report.downsample import window
-from testbench.report.figures.comparison_figures import RESIDUAL_TITLES
+from testbench.report.figures.comparison_figures import RESIDUAL_TITLES, RESIDUALS
 from testbench.report.figures.recording_figures import line
-from testbench.report.words import NOT_REFITTED, PANEL_UNITS, with_probability
+from testbench.report.words import PANEL_UNITS
 
 SHOWN = 8
 SCATTER_BINS = 24
 CANDIDATES_CAPTION = (
-    "What a refit with each effect takes off the error on samples that no fit has seen, the mean of the "
-    "channels, with the 95 % interval over blocks of up to 60 s. In brackets: how probable it is that this effect is "
-    "what is missing most."
+    "What a refit with each effect takes off the error that the model leaves without it, on samples that no fit has "
+    "seen: the mean of the channels, with the 95 % interval over blocks of up to 60 s. In brackets: how probable it "
+    "is that this effect is what is missing most. What was not refitted would hardly lower the error."
 )
 
 
@@ -78,7 +79,7 @@ def _lowest(ranking: Sequence[Mapping[str, Any]]) -> float:
 
 def _untried(place: int) -> dict[str, Any]:
     look: dict[str, Any] = {"font": {"size": 11, "color": style.MUTED}, "xanchor": "left"}
-    return style.note(NOT_REFITTED, 1.0, place, xref="x", yref="y", **look)
+    return style.note("not refitted", 1.0, place, xref="x", yref="y", **look)
 
 
 def _colour(diagnosis: Mapping[str, Any], number: int) -> str:
@@ -111,6 +112,7 @@ def prediction(
     contribution: Mapping[str, FloatArray],
     start_s: float | None = None,
     end_s: float | None = None,
+    effect: str = "the effect",
 ) -> style.Figure:
     """What the model leaves, and what an effect would add, over time; zoom linked.
 
@@ -121,6 +123,8 @@ def prediction(
         Measured minus modelled, and modelled with minus modelled without the effect.
     start_s, end_s : float, optional
         Draw this stretch only.
+    effect : str
+        What the legend calls it.
     """
     rows, gaps = window(time_s, start_s, end_s), gaps_in(time_s)
     traces = []
@@ -128,9 +132,9 @@ def prediction(
         first: dict[str, Any] = {"showlegend": row == 0, "gaps": gaps}
         left = "what the model leaves"
         traces.append(line(time_s[rows], residual[channel][rows], style.FAINT, left, row, **first))
-        added, name = contribution[channel][rows], "what the effect would add"
+        added, name = contribution[channel][rows], f"what {effect} would add"
         traces.append(line(time_s[rows], added, style.VERMILION, name, row, width=1.8, **first))
-    axes = style.stacked_axes([RESIDUAL_TITLES[channel] for channel in residual], "Time / s")
+    axes = style.stacked_axes([RESIDUALS[channel] for channel in residual], "Time / s")
     return style.figure(traces, height=190 * len(residual) + 70, **axes)
 
 

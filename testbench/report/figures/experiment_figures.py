@@ -55,41 +55,40 @@ def experiment(
     for trace in misfits:
         trace["showlegend"] = True
     legend = {"orientation": "h", "x": 1, "xanchor": "right", "y": 0.44, "yanchor": "bottom"}
-    words = style.note("decisive", float(np.log10(DECISIVE)), 1.0, xref="x", xanchor="left", yanchor="bottom")
-    lengths = np.maximum([value for _, value in evidence], LEAST)
-    bars = style.bars(lengths, [style.BLUE] + [style.FAINT] * (len(evidence) - 1), "%{x:.3g}")
-    return style.figure(
-        [bars, motion, *misfits],
-        height=760,
-        margin={"l": 130, "r": 20, "t": 26, "b": 44},
-        annotations=[words],
-        shapes=[_decisive()],
-        legend=legend,
-        **_axes(evidence),
-    )
-
-
-def _axes(evidence: Sequence[tuple[str, float]]) -> dict[str, Any]:
-    """The ranking on top, motion and misfit below it on one axis of time."""
-    names = [name.replace("-", " ") for name, _ in evidence]
-    top = max(max(value for _, value in evidence), 10 * DECISIVE)
-    return {
-        "xaxis": style.axis(
-            "Expected evidence against the wrong model (log odds)",
-            type="log",
-            dtick=1,
-            anchor="y",
-            range=[float(np.log10(LEAST)), float(np.log10(top * 1.5))],
-        ),
-        "yaxis": style.names_of_bars(names, anchor="x", domain=[0.56, 1.0]),
+    ranked = ranking(evidence)
+    names = {**ranked["layout"]["yaxis"], "domain": [0.56, 1.0]}
+    axes = {
+        "yaxis": names,
         "xaxis2": style.axis("Time / s", anchor="y3"),
         "yaxis2": style.axis("Strain / %", anchor="x2", domain=[0.25, 0.44]),
         "yaxis3": style.axis("Left over / noise", anchor="x2", domain=[0.0, 0.21]),
     }
+    layout = {**ranked["layout"], "height": 760, "showlegend": True, "legend": legend, **axes}
+    return style.figure([*ranked["data"], motion, *misfits], **layout)
 
 
-def _decisive() -> dict[str, Any]:
-    """The line beyond which the evidence decides."""
-    look = {"color": style.VERMILION, "width": 1, "dash": "dash"}
-    where = {"xref": "x", "yref": "paper", "x0": DECISIVE, "x1": DECISIVE, "y0": 0.56, "y1": 1}
-    return {"type": "line", "line": look, **where}
+def ranking(evidence: Sequence[tuple[str, float]]) -> style.Figure:
+    """The worth of every protocol, the best on top, and the line beyond which the evidence decides."""
+    names = [name.replace("-", " ") for name, _ in evidence]
+    lengths = np.maximum([value for _, value in evidence], LEAST)
+    top = max(float(lengths.max()), 10 * DECISIVE)
+    axes = {
+        "xaxis": style.axis(
+            "Expected evidence against the wrong model (log odds)",
+            **style.log_ticks([LEAST, top * 1.5]),
+            anchor="y",
+            range=[float(np.log10(LEAST)), float(np.log10(top * 1.5))],
+        ),
+        "yaxis": style.names_of_bars(names, anchor="x"),
+    }
+    decisive: dict[str, Any] = {"type": "line", "line": {"color": style.VERMILION, "width": 1, "dash": "dash"}}
+    decisive |= {"xref": "x", "yref": "y domain", "x0": DECISIVE, "x1": DECISIVE, "y0": 0, "y1": 1}
+    words = style.note("decisive", float(np.log10(DECISIVE)), 1.0, xref="x", xanchor="left", yanchor="bottom")
+    return style.figure(
+        [style.bars(lengths, [style.BLUE] + [style.FAINT] * (len(evidence) - 1), "%{x:.3g}")],
+        height=380,
+        margin={"l": 130, "r": 20, "t": 26, "b": 44},
+        annotations=[words],
+        shapes=[decisive],
+        **axes,
+    )

@@ -13,8 +13,7 @@ from testbench.comparing.numbers import over_noise, plain
 from testbench.comparing.words import spoken
 from testbench.report import style
 from testbench.report.downsample import window
-from testbench.report.figures.comparison_figures import CHANNEL_TITLES, Overlay, model_colour
-from testbench.report.figures.recording_figures import line
+from testbench.report.figures.comparison_figures import CHANNEL_TITLES, Overlay, signal_traces
 from testbench.report.words import PANEL_UNITS, with_unit
 
 NAMED_STEPS = 3
@@ -25,7 +24,7 @@ LADDER_CAPTION = (
     "any model can reach."
 )
 GLANCE_CAPTION = (
-    "Left: a minute of held-out samples, where the first model is worst. "
+    "Left: the held-out samples where the first model is worst. "
     "Right: the held-out error after each step, and the noise floor."
 )
 LINE = 14  # characters of a name on one line, where there is room
@@ -109,18 +108,18 @@ def _label_steps(axes: dict[str, Any], column: int, steps: Sequence[Step], room:
     """Names under the bars; numbers where there is no `room` for names (the bar tells its name when pointed at)."""
     axes[style.axis_key("xaxis", column)] |= {
         "tickvals": list(range(len(steps))),
-        "ticktext": step_names([step.label for step in steps], "<br>", room),
+        "ticktext": step_names([step.label for step in steps], room),
         "showgrid": False,
         "range": [-0.6, len(steps) - 0.4],
     }
 
 
-def step_names(labels: Sequence[str], newline: str, room: bool = True) -> list[str]:
+def step_names(labels: Sequence[str], room: bool = True) -> list[str]:
     """Names of steps in spoken words, long ones on several lines; their numbers where names have no `room`."""
     if not room:
         return [str(number) for number in range(len(labels))]
     width = LINE if len(labels) <= BESIDE else 1  # many: a line a word
-    return [newline.join(_lines(spoken(label), width)) for label in labels]
+    return ["<br>".join(_lines(spoken(label), width)) for label in labels]
 
 
 def _lines(label: str, width: int) -> list[str]:
@@ -161,7 +160,7 @@ def at_a_glance(both: Overlay, steps: Sequence[Step], span_s: tuple[float, float
     gap = 0.15  # room for names of steps on two lines
     for row, (channel, domain) in enumerate(zip(channels, style.rows(len(channels), gap), strict=True)):
         left, right = 2 * row, 2 * row + 1
-        traces += _measured_against_modelled(both, channel, rows, left)
+        traces += signal_traces(both, channel, rows, left, xaxis=style.x_ref(left))
         traces += _rungs(steps, channel, right, len(steps) - 1)
         last = row == len(channels) - 1
         axes |= _glance_axes(channel, domain, left, right, last, steps)
@@ -169,16 +168,6 @@ def at_a_glance(both: Overlay, steps: Sequence[Step], span_s: tuple[float, float
     shapes, notes = _floors(channels, steps, range(1, 2 * len(channels), 2))
     notes.append(style.note("<b>Held-out error</b>", 0.68, 1.0, xanchor="left", yanchor="bottom"))
     return style.figure(traces, height=240 * len(channels) + 60, shapes=shapes, annotations=notes, **axes)
-
-
-def _measured_against_modelled(both: Overlay, channel: str, rows: slice, axis: int) -> list[dict[str, Any]]:
-    time_s = both.time_s[rows]
-    place: dict[str, Any] = {"xaxis": style.x_ref(axis), "showlegend": axis == 0, "gaps": both.gaps}
-    traces = [line(time_s, both.measured[channel][rows], style.MEASURED, "measured", axis, width=2.0, **place)]
-    for index, (label, signals) in enumerate(both.modelled.items()):
-        colour = model_colour(index, len(both.modelled))
-        traces.append(line(time_s, signals[channel][rows], colour, label, axis, **place))
-    return traces
 
 
 def _glance_axes(

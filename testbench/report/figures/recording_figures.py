@@ -21,6 +21,7 @@ from testbench.report.words import duration_in_words
 Channel = tuple[str, FloatArray, str]  # axis title, values, colour
 
 LOOPS, LOOP_S, LOOP_SAMPLES, LOOP_POINTS = 6, 30.0, 30, 300
+SWING = 0.2  # of the range: a smaller one is no loop
 COUNTED = {3: "three", 6: "six"}
 BINS = 60
 SPEED_RATE_HZ = 20.0
@@ -102,7 +103,7 @@ def line(
 
 
 def hysteresis_loops(recording: Recording, resistance: bool = False) -> style.Figure | None:
-    """Force and log-conductance over strain, and log-conductance over force: a few half minutes, dark to light.
+    """Force and log-conductance over strain, and log-conductance over force: a few stretches, dark to light.
 
     With `resistance` in kΩ instead of the conductance.
 
@@ -112,7 +113,7 @@ def hysteresis_loops(recording: Recording, resistance: bool = False) -> style.Fi
     panels = _loop_panels(recording, resistance)
     if not panels:
         return None
-    windows = stretches(recording.time_s)
+    windows = stretches(recording.time_s, _motion(recording))
     colours, several = shades(len(windows)), len(windows) > 1
     points = LOOPS * LOOP_POINTS // len(windows)
     traces = []
@@ -127,41 +128,52 @@ def hysteresis_loops(recording: Recording, resistance: bool = False) -> style.Fi
     return style.figure(traces, height=400, **axes)
 
 
-def stretches(time_s: FloatArray, count: int = LOOPS) -> list[slice]:
-    """Rows of a few stretches of motion, evenly spread from the first sample to the last.
-
-    Where samples are rare, a stretch is as long as thirty of them take.
-    """
-    length_s = _stretch_s(time_s)
+def stretches(time_s: FloatArray, motion: FloatArray, count: int = LOOPS) -> list[slice]:
+    """Rows of a few stretches of motion, evenly spread from the first sample to the last; see `_stretch_s`."""
+    length_s = _stretch_s(time_s, motion)
     if time_s[-1] - time_s[0] <= count * length_s:
         return [slice(0, len(time_s))]
     begins = np.linspace(time_s[0], time_s[-1] - length_s, count)
     return [window(time_s, float(begin), float(begin) + length_s) for begin in begins]
 
 
-def _stretch_s(time_s: FloatArray) -> float:
-    return max(LOOP_S, LOOP_SAMPLES * float(time_s[-1] - time_s[0]) / len(time_s))
+def _stretch_s(time_s: FloatArray, motion: FloatArray) -> float:
+    """Half a minute; longer where thirty samples take longer, or the way there and back, without which no loop is."""
+    from testbench.knit.kernels import turns
+
+    turned = np.unique(turns(np.array(motion, float), SWING * float(np.ptp(motion)))[0].astype(int))
+    ways_s = np.diff(time_s[turned]) if len(turned) > 1 else time_s[-1:] - time_s[0]
+    return max(LOOP_S, LOOP_SAMPLES * float(time_s[-1] - time_s[0]) / len(time_s), 2 * float(np.median(ways_s)))
 
 
-def stretches_in_words(time_s: FloatArray, count: int = LOOPS) -> str:
-    """What `stretches` shows: ``six half minutes``, ``six stretches of 300 s``, or ``the whole recording``."""
-    if len(stretches(time_s, count)) == 1:
+def stretches_in_words(time_s: FloatArray, motion: FloatArray, count: int = LOOPS) -> str:
+    """What `stretches` shows: ``six half minutes``, ``six stretches of 5.0 min``, or ``the whole recording``."""
+    if len(stretches(time_s, motion, count)) == 1:
         return "the whole recording"
-    length_s = _stretch_s(time_s)
-    long = "half minutes" if length_s == LOOP_S else f"stretches of {length_s:.0f} s"
+    length_s = _stretch_s(time_s, motion)
+    long = "half minutes" if length_s == LOOP_S else f"stretches of {duration_in_words(length_s)}"
     return f"{COUNTED[count]} {long}"
 
 
-def loops_in_words(time_s: FloatArray) -> str:
+def loops_in_words(recording: Recording) -> str:
     """What the `hysteresis_loops` of a recording show, and how their colours tell when."""
-    order = ", the first dark, the last light" if len(stretches(time_s)) > 1 else ""
-    return stretches_in_words(time_s) + order
+    order = ", the first dark, the last light" if _in_turn(recording) else ""
+    return stretches_in_words(recording.time_s, _motion(recording)) + order
 
 
 def loops_caption(recording: Recording) -> str:
     """What stands under the `hysteresis_loops` of a recording."""
-    drift = ": a shift along the colours is drift" if len(stretches(recording.time_s)) > 1 else ""
-    return f"Loops of {loops_in_words(recording.time_s)}{drift}."
+    drift = ": a shift along the colours is drift" if _in_turn(recording) else ""
+    return f"Loops of {loops_in_words(recording)}{drift}."
+
+
+def _in_turn(recording: Recording) -> bool:
+    return len(stretches(recording.time_s, _motion(recording))) > 1
+
+
+def _motion(recording: Recording) -> FloatArray:
+    """What the loops are drawn over: the displacement, or where none was recorded, the force."""
+    return recording[DISPLACEMENT if recording.has(DISPLACEMENT) else FORCE]
 
 
 def unbroken(part: slice, time_s: FloatArray, gaps: Sequence[tuple[float, float]]) -> NDArray[np.intp]:

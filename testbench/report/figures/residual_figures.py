@@ -11,7 +11,7 @@ from gcode.support.arrays import FloatArray
 from gcode.support.figures import histogram_range
 from testbench.comparing.cell import Cell
 from testbench.report import style
-from testbench.report.figures.comparison_figures import RESIDUAL_TITLES, Overlay
+from testbench.report.figures.comparison_figures import RESIDUAL_TITLES, RESIDUALS, Overlay
 from testbench.report.words import PANEL_UNITS
 
 COORDINATE_TITLES = {
@@ -50,9 +50,27 @@ def profiles(maps: Mapping[str, Sequence[Cell]], channel: str) -> style.Figure:
     traces: list[dict[str, Any]] = []
     for index, coordinate in enumerate(shown):
         traces += _profile(maps[coordinate], coordinate, index)
-    axes = _grid_axes(shown, columns, channel)
+    axes = _grid_axes({name: maps[name] for name in shown}, columns, channel)
     count = -(-len(shown) // columns)
     return style.figure(_legend_once(traces), height=230 * max(count, 1) + 60, **axes)
+
+
+def profile(maps: Mapping[str, Mapping[str, Sequence[Cell]]], coordinates: Mapping[str, str]) -> style.Figure:
+    """The mean residual of each channel over one coordinate, as `profiles` shows it over all; one row a channel.
+
+    Parameters
+    ----------
+    maps : mapping of channel to mapping of coordinate to sequence of Cell
+    coordinates : mapping of channel to str
+    """
+    traces: list[dict[str, Any]] = []
+    axes: dict[str, Any] = {}
+    down = style.rows(len(coordinates), 0.2)
+    for index, (channel, coordinate) in enumerate(coordinates.items()):
+        cells = maps[channel][coordinate]
+        traces += _profile(cells, coordinate, index)
+        axes |= _panel(index, coordinate, cells, RESIDUALS[channel], [0, 1], down[index])
+    return style.figure(_legend_once(traces), height=230 * len(coordinates) + 60, **axes)
 
 
 def _profile(cells: Sequence[Cell], coordinate: str, index: int) -> list[dict[str, Any]]:
@@ -87,19 +105,24 @@ def _legend_once(traces: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return traces
 
 
-def _grid_axes(coordinates: list[str], columns: int, channel: str) -> dict[str, Any]:
-    across, down = style.parts(columns, 0.07), style.rows(-(-len(coordinates) // columns), 0.2)
+def _grid_axes(coordinates: Mapping[str, Sequence[Cell]], columns: int, channel: str) -> dict[str, Any]:
+    count = -(-len(coordinates) // columns)
+    across, down = style.parts(columns, 0.07), style.rows(count, 0.3 / max(count, 1))
     axes: dict[str, Any] = {}
-    for index, coordinate in enumerate(coordinates):
+    for index, (coordinate, cells) in enumerate(coordinates.items()):
         row, column = divmod(index, columns)
-        kind = {"type": "log", "dtick": 1} if coordinate in LOG_COORDINATES else {}
         title = RESIDUAL_TITLES[channel] if column == 0 else ""
-        axes |= style.panel(
-            index,
-            style.axis(COORDINATE_TITLES[coordinate], domain=across[column], **kind),
-            style.axis(title, domain=down[row], zeroline=True, zerolinecolor=style.FAINT),
-        )
+        axes |= _panel(index, coordinate, cells, title, across[column], down[row])
     return axes
+
+
+def _panel(
+    index: int, coordinate: str, cells: Sequence[Cell], title: str, across: list[float], down: list[float]
+) -> dict[str, Any]:
+    log = coordinate in LOG_COORDINATES
+    kind = style.log_ticks([centre(cell, coordinate) for cell in cells]) if log and cells else {}
+    x = style.axis(COORDINATE_TITLES[coordinate], domain=across, **kind)
+    return style.panel(index, x, style.axis(title, domain=down, zeroline=True, zerolinecolor=style.FAINT))
 
 
 def heat_maps(both: Overlay) -> style.Figure:
@@ -116,7 +139,7 @@ def heat_maps(both: Overlay) -> style.Figure:
         traces.append(_heat_map(*cells) | {**style.place(column), "colorbar": bar})
     axes = style.side_by_side_axes(panels, gap=0.16)
     notes = [
-        style.note(f"<b>{channel}</b>: measured minus modelled", index * 0.58, 1.0, xanchor="left", yanchor="bottom")
+        style.note(f"<b>Residual of the {channel}</b>", index * 0.58, 1.0, xanchor="left", yanchor="bottom")
         for index, channel in enumerate(both.measured)
     ]
     return style.figure(traces, height=360, margin={"l": 64, "r": 80, "t": 36, "b": 44}, annotations=notes, **axes)

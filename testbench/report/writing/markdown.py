@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from urllib.parse import quote
+
 from testbench.report.document import Facts, Item, Picture, Report, Table
 
 
-def to_markdown(report: Report, figures: str | None = None) -> str:
+def to_markdown(report: Report, figures: str) -> str:
     """The report as Markdown.
 
     Parameters
     ----------
     report : Report
-    figures : str, optional
-        Folder of the PNG files, as the document should name it; without it only the captions stand.
+    figures : str
+        Folder of the PNG files, as the document should name it.
     """
     parts = [f"# {report.title}", report.date, report.verdict]
     parts += [_item(item, figures) for item in report.opening]
@@ -23,9 +25,10 @@ def to_markdown(report: Report, figures: str | None = None) -> str:
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def _item(item: Item, figures: str | None) -> str:
+def _item(item: Item, figures: str) -> str:
     if isinstance(item, Picture):
-        return f"![{item.caption}]({figures}/{item.name}.png)\n\n*{item.caption}*" if figures else f"*{item.caption}*"
+        place = quote(f"{figures}/{item.name}.png")  # a blank would end the link
+        return f"![{item.caption}]({place})\n\n*{item.caption}*"
     if isinstance(item, Table):
         return _table(item)
     if isinstance(item, Facts):

@@ -24,8 +24,10 @@ def to_html(report: Report) -> str:
     own = files("testbench.report")
     figures: dict[str, Any] = {picture.name: picture.figure for picture in report.pictures()}
     figures["config"] = style.CONFIG
-    body = "".join(_section(section) for section in report.sections)
-    links = "".join(f'<a href="#{anchor(section)}">{escape(section.title)}</a>' for section in report.sections)
+    body = "".join(_section(number, section) for number, section in enumerate(report.sections))
+    links = "".join(
+        f'<a href="#part-{number}">{escape(section.title)}</a>' for number, section in enumerate(report.sections)
+    )
     return f"""<!doctype html>
 <html lang="en"><head><meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
@@ -46,11 +48,6 @@ def to_html(report: Report) -> str:
 """
 
 
-def anchor(section: Section) -> str:
-    """The id of a section in its page."""
-    return "-".join("".join(c if c.isalnum() else " " for c in section.title.lower()).split())
-
-
 def _for_script(json_text: str) -> str:
     # "</script>" inside a string would end the element, so the slash is escaped (the same JSON string).
     return json_text.replace("</", "<\\/")
@@ -63,9 +60,9 @@ def _facts(facts: Facts) -> str:
     return f'<div class="tiles">{cells}</div>'
 
 
-def _section(section: Section) -> str:
+def _section(number: int, section: Section) -> str:
     items = "".join(_item(item) for item in section.items)
-    return f'<section id="{anchor(section)}"><h2>{escape(section.title)}</h2>{items}</section>'
+    return f'<section id="part-{number}"><h2>{escape(section.title)}</h2>{items}</section>'
 
 
 def _item(item: Item) -> str:

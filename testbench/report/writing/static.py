@@ -7,14 +7,22 @@ so that a picture can never lose a part in silence.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from gcode.support.errors import UserError
-from gcode.support.files import atomic_path
+from gcode.support.figures import panels
+from gcode.support.files import atomic_path, check_place
 from testbench.report import style
 from testbench.report.writing.static_page import Page
 from testbench.report.writing.static_traces import DRAWERS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 # What is left out of a file, so that the same figure gives the same bytes.
 METADATA: Any = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
@@ -37,7 +45,7 @@ def write_figure(figure: style.Figure, path: str | Path) -> None:
     UserError
         For another suffix.
     """
-    suffix = figure_format(path)
+    suffix = _format(path)
     drawing = draw(figure)
     from matplotlib import rc_context
 
@@ -53,14 +61,21 @@ def write_figure(figure: style.Figure, path: str | Path) -> None:
         )
 
 
-def figure_format(path: str | Path) -> str:
-    """``png``, ``pdf`` or ``svg``, as the suffix of `path` says.
+def check_figure(path: str | Path | None) -> None:
+    """Refuse a place for a figure before the work whose picture would be lost there; None is let through.
 
     Raises
     ------
     UserError
-        For any other.
+        If its suffix is none of a figure, or no file can be written there.
     """
+    if path is not None:
+        check_place(path)
+        _format(path)
+
+
+def _format(path: str | Path) -> str:
+    """``png``, ``pdf`` or ``svg``, as the suffix of `path` says."""
     suffix = Path(path).suffix.lstrip(".").lower()
     if suffix not in METADATA:
         raise UserError(f"{path}: a figure is written as {', '.join(METADATA)}; got {suffix or 'no suffix'!r}")
@@ -81,11 +96,31 @@ def draw(figure: style.Figure):
     height_px = layout.get("height", 400)
     with rc_context(RC):
         drawing = Figure(figsize=(WIDTH_PX / DOTS_PER_INCH, height_px / DOTS_PER_INCH), facecolor=style.PAPER)
-        page = Page(drawing, layout, WIDTH_PX, height_px)
-        for trace in figure["data"]:
-            DRAWERS[_known(trace)](page.axes_of(trace), trace, page)
-        page.finish()
+        _fill(Page(drawing, layout, WIDTH_PX, height_px), figure)
     return drawing
+
+
+def draw_on(figure: style.Figure, axes: Axes | Sequence[Axes] | None) -> NDArray[Any]:
+    """Draw each panel of a figure on axes that are given (default: of a new figure).
+
+    Returns
+    -------
+    ndarray of Axes, shape (panels,)
+    """
+    layout = figure["layout"]
+    names = [(layout[key].get("anchor", "x"), key.replace("axis", "")) for key in layout if key.startswith("yaxis")]
+    on = panels(axes, len(names))
+    page = Page(on[0].figure, layout, given=dict(zip(names, on, strict=True)))
+    for x_name, y_name in names:
+        page.axes_of({"xaxis": x_name, "yaxis": y_name})
+    _fill(page, figure)
+    return np.array(on)
+
+
+def _fill(page: Page, figure: style.Figure) -> None:
+    for trace in figure["data"]:
+        DRAWERS[_known(trace)](page.axes_of(trace), trace, page)
+    page.finish()
 
 
 def _known(trace: dict[str, Any]) -> str:

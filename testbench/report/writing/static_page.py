@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from testbench.comparing.numbers import in_powers
 from testbench.report import style
 
 DASHES = {"dash": "--", "dot": ":", "solid": "-"}
 
 
 class Page:
-    """Where the axes lie on the paper."""
+    """Where the axes lie on the paper, if they are not `given` by the names of a panel's two axes."""
 
-    def __init__(self, drawing, layout: dict[str, Any], width_px: float, height_px: float) -> None:
-        self.drawing, self.layout = drawing, layout
+    def __init__(
+        self,
+        drawing,
+        layout: dict[str, Any],
+        width_px: float = 1.0,
+        height_px: float = 1.0,
+        given: Mapping[tuple[str, str], Any] | None = None,
+    ) -> None:
+        self.drawing, self.layout, self.given = drawing, layout, given or {}
         margin = layout.get("margin", {})
         self.left, self.right = margin.get("l", 60) / width_px, 1 - margin.get("r", 20) / width_px
         self.bottom, self.top = margin.get("b", 40) / height_px, 1 - margin.get("t", 30) / height_px
@@ -38,7 +47,8 @@ class Page:
         left, bottom = self.place(x0, y0)
         right, top = self.place(x1, y1)
         shared = next((axes for (name, _), axes in self._axes.items() if name == x_name), None)
-        axes = self.drawing.add_axes((left, bottom, right - left, top - bottom), sharex=shared)
+        box = left, bottom, right - left, top - bottom
+        axes = self.given.get((x_name, y_name)) or self.drawing.add_axes(box, sharex=shared)
         axes.spines[["top", "right"]].set_visible(False)
         axes.spines[["left", "bottom"]].set_color(style.FAINT)
         axes.grid(color=style.RULE, linewidth=0.6)
@@ -78,7 +88,11 @@ class Page:
             left = self.layout.get("legend", {}).get("xanchor") == "left"
             place, anchor = ("lower left", (self.left, top)) if left else ("lower right", (self.right, top))
             look = {"ncols": len(names), "frameon": False, "fontsize": 8.5}
-            self.drawing.legend(handles, names, loc=place, bbox_to_anchor=anchor, **look)
+            if self.given:
+                top_axes = next(iter(self.given.values()))
+                top_axes.legend(handles, names, loc="lower left", bbox_to_anchor=(0, 1), **look)
+            else:
+                self.drawing.legend(handles, names, loc=place, bbox_to_anchor=anchor, **look)
 
     def _target(self, item: dict[str, Any]):
         x_name, y_name = item.get("xref", "x"), item.get("yref", "y")
@@ -91,7 +105,7 @@ class Page:
 
     def _shape(self, shape: dict[str, Any]) -> None:
         """A band or a line across the whole page or a panel, upright where its vertical axis is the paper."""
-        line, upright = shape["line"], shape["yref"] == "paper"
+        line, upright = shape["line"], shape["yref"].endswith(("paper", "domain"))
         for axes in self._shape_axes(shape):
             if shape["type"] == "rect":
                 look = {"color": shape["fillcolor"], "alpha": shape["opacity"], "lw": 0, "zorder": 0}
@@ -134,12 +148,19 @@ def plain(text: str) -> str:
     return text.replace("<br>", "\n")
 
 
+def tick(value: float, _: Any = None) -> str:
+    """A number at an axis, whole: a power of ten in a corner is overlooked, or lies on another word."""
+    return in_powers(f"{value:.10g}").replace("-", "−")
+
+
 def _dress(axis, set_scale, set_limits, settings: dict[str, Any]) -> None:
     text = settings.get("title", {}).get("text", "")
     axis.set_label_text(plain(text), fontsize=9, color=style.MUTED)
     log = settings.get("type") == "log"
     if log:
         set_scale("log")
+        axis.set_minor_formatter("")
+    axis.set_major_formatter(tick)
     if "range" in settings:
         limits = [float(value) for value in settings["range"]]
         set_limits(*(10 ** np.array(limits) if log else limits))

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from testbench.report import style
-from testbench.report.writing.static_page import DASHES, Page, plain
+from testbench.report.writing.static_page import DASHES, Page, plain, tick
 
 SYMBOLS = {"circle": "o", "diamond": "D", "triangle-up": "^"}
 
@@ -46,6 +46,7 @@ def _colour_bar(axes, mappable, settings: dict[str, Any], page: Page) -> None:
     box = axes.get_position()
     bar_axes = page.drawing.add_axes((box.x1 + 0.012, box.y0 + 0.05 * box.height, 0.01, 0.9 * box.height))
     bar = page.drawing.colorbar(mappable, cax=bar_axes)
+    bar_axes.yaxis.set_major_formatter(tick)
     bar.outline.set_visible(False)
     bar_axes.tick_params(colors=style.MUTED, labelsize=8)
     bar_axes.set_title(plain(settings.get("title", {}).get("text", "")), fontsize=8, color=style.MUTED)

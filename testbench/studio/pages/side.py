@@ -10,10 +10,11 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from testbench.comparing.words import spoken
+from testbench.diagnosis.verdict import verdict_clauses
 from testbench.recordings.recording import Recording
 from testbench.report.figures import recording_figures as figures
 from testbench.report.parameter_table import parameter_name
-from testbench.report.words import with_probability, with_unit
+from testbench.report.words import with_unit
 from testbench.results.model_file import about_model
 from testbench.results.result_files import read_diagnosis, read_score
 from testbench.studio import models
@@ -57,7 +58,7 @@ async def page(studio: Studio, a: str = "", b: str = "", show: str = "") -> None
     for side in sides:
         loops = figures.hysteresis_loops(side.recording, kohm)
         if loops:
-            plot(loops, f"{side.name}: {figures.loops_in_words(side.recording.time_s)}.")
+            plot(loops, f"{side.name}: {figures.loops_in_words(side.recording)}.")
 
 
 def _side(studio: Studio, name: str, kohm: bool) -> Side:
@@ -88,11 +89,7 @@ def _verdict(studio: Studio, name: str) -> dict[str, str]:
     path = models.diagnosis_path(studio, name)
     if not path.is_file():
         return {}
-    found = read_diagnosis(path)
-    verdict = spoken(found["verdict"])
-    if found["verdict"] == "missing" and found["ranking"]:
-        verdict = f"missing: {with_probability(found, found['ranking'][0]['effect'])}"
-    return {"Last diagnosis": verdict}
+    return {"Last diagnosis": verdict_clauses(read_diagnosis(path))[0]}
 
 
 def _score(studio: Studio, name: str) -> dict[str, str]:

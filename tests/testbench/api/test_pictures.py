@@ -9,6 +9,7 @@ from itertools import pairwise
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.collections import PathCollection
 
 import testbench as tb
 from gcode.support.figures import PANEL_IN, WIDTH_IN
@@ -60,16 +61,15 @@ def test_every_coordinate_of_a_comparison_has_its_unit_as_in_a_report():
     assert set(COORDINATES) == set(COORDINATE_TITLES)
     for name in ("strain", "strain_rate", "elapsed_s", "since_reversal_s"):
         (axis, _) = drawn(lambda on, name=name: where.plot(on, coordinate=name), 2)
-        title = COORDINATE_TITLES[name]
-        assert axis.get_xlabel() == title[0].lower() + title[1:]
+        assert axis.get_xlabel() == COORDINATE_TITLES[name]
         assert " / " in axis.get_xlabel()
 
 
 def test_strain_is_drawn_in_percent_and_the_ways_differ_by_more_than_colour():
     (axis, _) = drawn(lambda on: tb.compare(relaxed(), fitted()).plot(on, coordinate="strain"), 2)
-    stretching, releasing = (bars.lines[0] for bars in axis.containers)
-    assert max(stretching.get_xdata()) > 5
-    assert stretching.get_marker() != releasing.get_marker()
+    stretching, releasing = (dots for dots in axis.collections if isinstance(dots, PathCollection))
+    assert max(stretching.get_offsets()[:, 0]) > 5
+    assert len(stretching.get_paths()[0].vertices) != len(releasing.get_paths()[0].vertices)
 
 
 def test_a_diagnosis_names_every_bar_in_words_with_its_probability():
@@ -81,7 +81,7 @@ def test_a_diagnosis_names_every_bar_in_words_with_its_probability():
 
 def test_what_a_candidate_would_add_is_named_as_the_residual_that_it_is():
     first, second = drawn(tb.contribution(diagnosed(), "stress_relaxation", relaxed()).plot, 2)
-    assert [axis.get_ylabel() for axis in (first, second)] == ["force\nresidual / N", "conductance\nresidual / ln S"]
+    assert [axis.get_ylabel() for axis in (first, second)] == ["Force\nresidual / N", "Conductance\nresidual / ln S"]
     said = [text.get_text() for text in first.get_legend().get_texts()]
     assert said[0] == "what the model leaves"
     assert re.fullmatch(r"what stress relaxation[a-z ]* would add", said[1])

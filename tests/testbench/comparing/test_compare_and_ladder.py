@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from gcode.support.errors import UserError
-from testbench.comparing.compare import _cell, compare, residual_maps
+from testbench.comparing.cell import Cell
+from testbench.comparing.compare import Comparison, Place, _cell, compare, distinct, residual_maps
 from testbench.comparing.ladder import fitted_file, idle_effects, undo
 from testbench.comparing.model_errors import noise_floors
 from testbench.comparing.residual_coordinates import coordinates
+from testbench.comparing.tables import comparison_table
 from testbench.diagnosis.adding import add_effect
 from testbench.measurements.preparing import prepare
 from testbench.measurements.splitting import split
@@ -162,3 +164,25 @@ def test_a_block_that_holds_nearly_all_samples_does_not_prove_a_place():
         (cell,) = _cell(values, block, (0.0, 1.0, 0), 1000)
         ts.append(abs(cell.t))
     assert np.mean(np.array(ts) > 3) < 0.15, "as often as a t of two degrees of freedom, 0.1"
+
+
+def test_each_channel_that_fails_is_told_of_where_a_place_is_known_and_where_none_is():
+    """The conductance was wrong by a hundred times its noise, and the force alone was named."""
+    spot = Cell(0.1, 0.2, 0, 0.1, 0.01, 0.1)
+    found = [
+        Place(channel, name, spot, share, f"{channel} over {name}")
+        for channel, name, share in (
+            ("force", "strain", 0.9),
+            ("force", "cycle", 0.8),
+            ("force", "strain", 0.7),
+            ("force", "elapsed_s", 0.6),
+            ("conductance", "cycle", 0.1),
+        )
+    ]
+    worst = distinct(found)
+    assert [place.words for place in worst] == ["force over strain", "force over cycle", "conductance over cycle"]
+    sizes = [dict.fromkeys(("force", "conductance"), size) for size in (1.0, 0.01, 0.0)]
+    both, one = Comparison(*sizes, {}, tuple(worst)), Comparison(*sizes, {}, tuple(worst[:2]))
+    assert len(both.places) == 3
+    assert one.places[2] == comparison_table(one).splitlines()[-1]
+    assert one.places[2].startswith("the error of the conductance is spread out")

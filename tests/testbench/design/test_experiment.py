@@ -147,7 +147,7 @@ def test_command_takes_the_tied_effects_of_a_diagnosis(tmp_path, capsys):
     ranked = [{"effect": name, "form": name} | case for name in names]
     tied = ["load_cell_creep", "stress_relaxation"]
     said = {"verdict": "nothing_missing", "found": [], "tied": tied, "ranking": ranked, "history": [step]}
-    said |= {"probabilities": dict.fromkeys(names, 0.3) | {"nothing": 0.1}}
+    said |= {"probabilities": dict.fromkeys(names, 0.3) | {"nothing": 0.1, "unknown": 0.0}}
     said |= {"error_before": FLOORS, "error_after": FLOORS, "noise_floor": FLOORS}
     (tmp_path / "d.json").write_text(json.dumps(said))
     place = ["--fit", recording, "--gauge-length-mm", "25", "--duration-s", "120"]

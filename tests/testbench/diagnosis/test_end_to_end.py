@@ -53,7 +53,7 @@ def relaxed() -> Diagnosis:
 def test_nothing_hidden_nothing_found():
     result = once(*pair(), catalogue=CATALOGUE)
     assert (result.verdict, result.found, result.tied) == ("nothing_missing", (), ())
-    assert first_line(result).startswith("nothing is missing (")
+    assert first_line(result).startswith("nothing is missing that these recordings could show (")
     assert sum(result.probabilities.values()) == pytest.approx(1.0)
 
 
@@ -117,7 +117,7 @@ def test_the_command_says_it_on_one_line_and_writes_one_object(tmp_path, capsys,
     argv = ["diagnose", files[0], "--held-out", files[1], "--gauge-length-mm", "25", "--quiet"]
     assert main([*argv, "--json", str(out), "-o", str(model)]) == 0
     first, _, title, *_ = capsys.readouterr().out.splitlines()
-    assert first.startswith("nothing is missing (")
+    assert first.startswith("nothing is missing that these recordings could show (")
     columns = "rank effect law probability log evidence held-out error left, mean of the channels (95 %)"
     assert " ".join(title.split()) == columns
     assert json.loads(out.read_text())["found"] == []

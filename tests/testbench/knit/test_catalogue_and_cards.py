@@ -55,6 +55,7 @@ def test_card_shows_formula_parameters_and_source(name: str) -> None:
     text = card_text(effect, CATALOGUE)
     doc = doc_sections(effect)
     assert doc.formula
+    assert all(re.search("[=(]", line) for line in doc.formula.splitlines()), "what explains it stands below"
     assert doc.source
     assert doc.valid
     assert all(line in text for line in doc.formula.splitlines())

@@ -18,7 +18,6 @@ from testbench.recordings.files import write_recording_csv
 from testbench.report import sections
 from testbench.report.document import Picture, Report, Section, Table
 from testbench.report.figures import ladder_figures, recording_figures
-from testbench.report.writing.markdown import to_markdown
 from testbench.report.writing.packing import packed, plotly_path
 from testbench.report.writing.page import to_html
 from testbench.report.writing.static import write_figure
@@ -46,6 +45,13 @@ def test_page_is_self_contained_and_small() -> None:
     markup = re.sub(r"<script>.*?</script>", "", page, flags=re.S)
     assert not re.search(r"""(src|href)=["'](?!#)""", markup)
     assert "default-src 'none'" in page
+
+
+def test_recordings_of_one_name_have_a_link_each() -> None:
+    page = to_html(Report("T", "V", [], [Section("Recording one"), Section("Recording one")]))
+    links = re.findall(r'href="#([^"]+)"', page)
+    assert len(set(links)) == 2
+    assert links == re.findall(r'<section id="([^"]+)"', page)
 
 
 def test_every_picture_has_its_place_and_its_data() -> None:
@@ -86,13 +92,13 @@ def test_arrays_are_packed_as_float32() -> None:
 
 def test_markdown_names_every_figure_that_was_written(tmp_path: Path) -> None:
     report = Report("T", "V", [], [Section("S", ["text", Table(("a", "b"), [("1|2", "3")]), _ladder_picture()])], "f")
-    write_report(report, tmp_path / "r.md", "md")
-    text = (tmp_path / "r.md").read_text()
+    write_report(report, tmp_path / "my r.md", "md")
+    text = (tmp_path / "my r.md").read_text()
     assert "| 1\\|2 | 3 |" in text
-    assert "(r-figures/ladder.png)" in text
-    assert (tmp_path / "r-figures" / "ladder.png").stat().st_size > 5_000
-    assert (tmp_path / "r-figures" / "ladder.pdf").read_bytes().startswith(b"%PDF")
-    assert "*the ladder*" in to_markdown(report)
+    assert "(my%20r-figures/ladder.png)" in text, "a blank would end the link"
+    assert (tmp_path / "my r-figures" / "ladder.png").stat().st_size > 5_000
+    assert (tmp_path / "my r-figures" / "ladder.pdf").read_bytes().startswith(b"%PDF")
+    assert "*the ladder*" in text
 
 
 def _ladder_picture() -> Picture:

@@ -14,9 +14,10 @@ import pytest
 
 import tests.testbench.report.samples as samples
 from compensation.paper.published import COMPENSATED
+from testbench.diagnosis.verdict import with_probability
 from testbench.measurements.preparing import prepare
 from testbench.recordings.recording import Recording
-from testbench.report import overlays, sections, words
+from testbench.report import overlays, sections, style, words
 from testbench.report.downsample import rows_to_draw, thinned, window
 from testbench.report.figures import (
     alignment_figures,
@@ -32,7 +33,7 @@ from testbench.report.figures import (
 )
 from testbench.report.figures.thumbnail import thumbnail
 from testbench.report.style import Figure
-from testbench.report.writing.static import draw, write_figure
+from testbench.report.writing.static import draw, draw_on, write_figure
 
 
 def residual_and_contribution():
@@ -267,18 +268,21 @@ def test_thumbnail_is_one_small_svg() -> None:
 
 def test_loops_are_whole_stretches_from_the_first_minute_to_the_last() -> None:
     source = samples.recording(30_000)
-    parts = recording_figures.stretches(source.time_s)
+    parts = recording_figures.stretches(source.time_s, source.strain)
     assert len(parts) == 6
     assert parts[0].start == 0
     assert parts[-1].stop == len(source)
     for part in parts:
         assert np.ptp(source.time_s[part]) == pytest.approx(30, abs=0.2)
-    assert recording_figures.stretches(source.time_s[:100]) == [slice(0, 100)]
+    assert recording_figures.stretches(source.time_s[:100], source.strain[:100]) == [slice(0, 100)]
     assert recording_figures.loops_caption(source) == (
         "Loops of six half minutes, the first dark, the last light: a shift along the colours is drift."
     )
-    assert recording_figures.stretches_in_words(20 * source.time_s, 3) == "three half minutes"
-    assert recording_figures.stretches_in_words(60 * source.time_s) == "six stretches of 90 s"
+    # A motion this slow, and samples this rare, have no loop in half a minute.
+    in_words = recording_figures.stretches_in_words
+    assert in_words(source.time_s, source.strain, 3) == "three half minutes"
+    assert in_words(60 * source.time_s, np.sin(60 * source.time_s)) == "six stretches of 1.5 min"
+    assert in_words(20 * source.time_s, np.sin(source.time_s)) == "six stretches of 2.1 min"
 
 
 def test_the_loops_of_a_short_recording_are_one_whole_drawn_at_full_detail() -> None:
@@ -326,14 +330,15 @@ def test_nothing_left_to_depend_on_is_no_figure() -> None:
     [
         (
             "missing",
-            "The model is missing stress relaxation (61 %): with it 38 % of the held-out error, the mean of the "
-            "channels, is left. In all, the held-out error of the force goes from 0.120 to 0.0110 N, that of the "
-            "conductance from 0.0310 to 0.00240 ln S. These recordings cannot tell it from load cell creep (36 %).",
+            "Missing: stress relaxation (61 %), hardly told from load cell creep (36 %). 7 % of the error above the "
+            "noise is left. The held-out error of the force goes from 0.120 to 0.0110 N, that of the conductance "
+            "from 0.0310 to 0.00240 ln S.",
         ),
         (
             "unknown",
-            "Something is missing that no effect of the catalogue explains (88 %). What is left depends most on "
-            "this: force on elapsed time (70 % of it).",
+            "Unknown (88 %): something is missing that no effect of the catalogue explains. What is left depends "
+            "most on this: force on elapsed time (70 % of it). The nearest is stress relaxation, which would leave "
+            "60 % of the error above the noise.",
         ),
         ("nothing_missing", "Nothing is missing that these recordings could show (92 %)."),
     ],
@@ -344,7 +349,9 @@ def test_a_verdict_is_a_sentence(verdict: str, sentence: str) -> None:
 
 def test_nothing_missing_does_not_hide_an_error_far_above_the_noise() -> None:
     hum = samples.diagnosis("nothing_missing") | {"error_after": {"force": 0.014}, "noise_floor": {"force": 0.002}}
-    assert words.verdict_in_words(hum).endswith("(92 %). But the error of the force is 7 times its noise floor.")
+    assert words.verdict_in_words(hum).endswith(
+        "(92 %). But the error of the force is 7 times its noise floor; a comparison shows where."
+    )
 
 
 def test_a_verdict_says_what_is_near_the_truth() -> None:
@@ -354,8 +361,7 @@ def test_a_verdict_says_what_is_near_the_truth() -> None:
     probable["probabilities"] |= {"unknown": 0.05, "stress_relaxation": 0.8}
     probable["ranking"][0]["probability"] = 0.8
     assert words.verdict_in_words(probable).startswith(
-        "No effect of the catalogue explains most of what is missing: stress relaxation (80 %) is probable, but "
-        "leaves 60 % of the error above the noise."
+        "Unknown: stress relaxation (80 %) is probable, but leaves 60 % of the error above the noise."
     )
 
 
@@ -378,9 +384,10 @@ def test_an_experiment_is_a_sentence(log_odds: float, grade: str, said: str) -> 
 def test_probabilities_are_shown_and_never_none_nor_all() -> None:
     names = {"stress_relaxation": 0.97, "load_cell_creep": 0.021, "slack": 0.001, "nothing": 0.002, "unknown": 0.006}
     new = samples.diagnosis() | {"probabilities": names}
-    assert "missing stress relaxation (97 %): with it 38 %" in words.verdict_in_words(new)
-    assert "cannot tell it from load cell creep (2 %)" in words.verdict_in_words(new)
-    assert words.with_probability(new, "slack") == "slack (< 1 %)"
+    assert words.verdict_in_words(new).startswith(
+        "Missing: stress relaxation (61 %), hardly told from load cell creep (2 %)."
+    )
+    assert with_probability(new, "slack") == "slack (< 1 %)"
     assert "(< 1 %)." in words.verdict_in_words(new | {"verdict": "nothing_missing"})
     assert "slack (< 1 %)" in diagnosis_figures.candidates(new)["layout"]["yaxis"]["ticktext"]
 
@@ -390,7 +397,7 @@ def test_all_that_was_found_is_said_with_how_sure_it_is() -> None:
     second = {"effect": "slack", "law": "slack", "probability": 0.995, "log_evidence": 9.0}
     both = one | {"found": [*one["found"], second], "tied": []}
     said = words.verdict_in_words(both)
-    assert said.startswith("The model is missing stress relaxation (61 %), then slack (> 99 %). In all, the held-out")
+    assert said.startswith("Missing: stress relaxation (61 %), then slack (> 99 %). 7 % of the error above the noise")
 
 
 def test_one_effect_has_one_number_everywhere() -> None:
@@ -493,3 +500,34 @@ def test_a_bar_leaves_room_for_the_name_of_the_noise_floor_at_a_glance() -> None
     for axes in drawing.axes[1::2]:
         number, floor = (text.get_window_extent() for text in axes.texts)
         assert not number.overlaps(floor)
+
+
+def test_a_tiny_number_stands_whole_at_its_axis() -> None:
+    """Its power of ten stood in the corner of the panel, on the title of the one above."""
+    small = {"force": 1.5e-5, "conductance": 0.1}
+    drawing = draw(ladder_figures.ladder([ladder_figures.Step("baseline", small, small)]))
+    drawing.canvas.draw()
+    axis = drawing.axes[0].yaxis
+    assert any(label.get_text() == "1·10⁻⁵" for label in axis.get_ticklabels())
+    assert not axis.get_offset_text().get_text()
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "names"),
+    [(0.05, 9, ["0.1", "1"]), (200, 1080, ["200", "500", "1000"]), (2.2, 2.9, ["2.2", "2.9"])],
+)
+def test_a_logarithmic_axis_has_numbers_however_short_it_is(low: float, high: float, names: list[str]) -> None:
+    assert style.log_ticks([low, high])["ticktext"] == names
+
+
+def test_of_a_slow_recording_the_first_look_is_at_more_than_a_few_samples() -> None:
+    both = replace(samples.overlay(), time_s=10.0 * np.arange(len(samples.overlay().time_s)))
+    start_s, end_s = comparison_figures.busiest_window(both)
+    assert end_s - start_s >= 1990
+
+
+def test_a_result_is_drawn_on_axes_of_its_own_by_the_figure_of_the_report() -> None:
+    experiment = experiment_figures.ranking([("fast-triangle", 4e5), ("long-hold", 30.0)])
+    (axes,) = draw_on(experiment, None)
+    assert axes.get_xscale() == "log"
+    assert [name.get_text() for name in axes.get_yticklabels()] == ["fast triangle", "long hold"]

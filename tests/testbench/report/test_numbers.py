@@ -21,7 +21,7 @@ from testbench.knit.catalogue import baseline
 from testbench.report import overlays
 from testbench.report.downsample import liveliest
 from testbench.report.figures.comparison_figures import Overlay
-from testbench.report.overlays import LOOK_S, LOOK_SAMPLES
+from testbench.report.overlays import LOOK_S
 from testbench.report.parameter_table import name_without_unit, parameter_table
 from testbench.report.words import odds_in_words, verdict_in_words
 from testbench.results.model_file import ModelFile
@@ -88,8 +88,8 @@ def test_parameters_say_what_they_are_and_what_to_doubt() -> None:
     assert table is not None
     stiff, tau = table.rows
     assert stiff[:2] == ("elasticity: stiffness", "5.80 N"), "at a bound nothing is known of its error"
-    assert stiff[3] == "at its bound; hardly told from drift: tau"
-    assert tau[3].startswith("not identifiable from this recording")
+    assert stiff[3] == "at a bound; hardly told from drift: tau"
+    assert tau[3].startswith("this recording cannot tell")
     assert "N" in stiff[2]
     assert stiff[4]
     assert "Another 1 numbers" in table.caption
@@ -143,7 +143,7 @@ def test_the_stretch_holds_the_burst(start: int) -> None:
     time_s = np.arange(4000) * 0.05
     energy = np.zeros(4000)
     energy[start : start + 100] = 1.0
-    low, high = liveliest(time_s, energy, LOOK_S, LOOK_SAMPLES)
+    low, high = liveliest(time_s, energy, LOOK_S)
     assert low <= time_s[start]
     assert high >= time_s[start + 99]
     assert high - low == pytest.approx(29.95)
@@ -191,3 +191,10 @@ def test_a_verdict_says_as_the_terminal_does_where_what_was_found_does_not_carry
     told = verdict_in_words(diagnosis)
     assert ("But held out the error of the force is 5 times as large: " in told) == bool(says)
     assert says in told
+
+
+def test_what_a_parameter_is_says_the_names_of_others_in_words() -> None:
+    entries = {"hysteresis.friction_N": {"value": 1.0, "unit": "N", "standard_error": 0.1}}
+    table = parameter_table({"parameters": entries}, baseline() + effects.HysteresisOnTension())
+    assert table is not None
+    assert table.rows[0][4] == "friction force at tension, when it slips"

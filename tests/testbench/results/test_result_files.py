@@ -28,3 +28,17 @@ def test_an_entry_without_a_law_is_refused_by_its_place(tmp_path):
     write_json(tmp_path / "d.json", written)
     with pytest.raises(UserError, match=r"ranking.*law"):
         read_diagnosis(tmp_path / "d.json")
+
+
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [
+        ({"found": []}, "nothing is ranked or found"),
+        ({"probabilities": {"nothing": 0.5, "unknown": 0.5}}, "there is none of 'stress_relaxation'"),
+        ({"bends_like": "swelling"}, "there is none of 'swelling'"),
+    ],
+)
+def test_a_diagnosis_that_no_verdict_can_be_worded_of_is_refused(tmp_path, changed, says):
+    write_json(tmp_path / "d.json", diagnosis() | changed)
+    with pytest.raises(UserError, match=says):
+        read_diagnosis(tmp_path / "d.json")

@@ -104,7 +104,7 @@ async def page(
 
 
 def _below(view: View, shown: Overlay) -> None:
-    loops = f"The same as hysteresis loops: {stretches_in_words(shown.time_s, figures.LOOPS)}."
+    loops = f"The same as hysteresis loops: {stretches_in_words(shown.time_s, shown.strain, figures.LOOPS)}."
     plot(figures.modelled_loops(shown), loops)
     if view.parameters:
         subheading("The model's parameters", "As fitted; what speaks against a value stands beside it.")
@@ -245,5 +245,5 @@ def _worst(view: View, seen: ZoomingPlot) -> None:
         quiet = compared.noise_reached
         if quiet:
             ui.label(f"Nothing but noise is left in the {' and the '.join(quiet)}.").classes("quiet")
-        if not compared.worst and len(quiet) < len(compared.rms):
-            ui.label(sentence(compared.places[0])).classes("quiet")
+        if compared.unplaced and len(quiet) < len(compared.rms):
+            ui.label(sentence(compared.unplaced)).classes("quiet")

@@ -138,7 +138,8 @@ class _Judging:
 
     def _tell(self) -> None:
         short = len(self.lasts_s) - len(self.field.options)
-        said = [f"{short} shorter than the {self.least_s:.0f} s that this method may remember cannot be judged on."]
+        others = "1 campaign is" if short == 1 else f"{short} campaigns are"
+        said = [f"{others} shorter than the {self.least_s:.0f} s that this method may remember, and not offered."]
         none = (
             f"No other campaign of this gauge length has resistance and {self.target}{' for so long' * bool(short)}"
         )

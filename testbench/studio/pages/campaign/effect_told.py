@@ -12,7 +12,7 @@ from testbench.knit.card import doc_sections
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.effect import Effect, bounds_of
 from testbench.report.document import Table
-from testbench.report.parameter_table import name_without_unit, parameter_table
+from testbench.report.parameter_table import meaning_of, name_without_unit, parameter_table
 from testbench.studio.parts.widgets import subheading, table
 
 
@@ -24,6 +24,8 @@ def effect_told(diagnosis: Mapping[str, Any], entry: Mapping[str, Any], catalogu
         ui.label(told.summary)
         if told.formula:
             ui.label(told.formula.replace("`", "")).classes("formula")
+        if told.remarks:
+            ui.label(told.remarks.replace("`", ""))
         for name, text in (("Source", told.source), ("Valid", told.valid)):
             if text:
                 ui.label(f"{name}: {text.replace('`', '')}").classes("quiet text-sm")
@@ -45,7 +47,7 @@ def start_rows(effect: type[Effect], values: Mapping[str, Any]) -> list[tuple[st
             continue
         extra = bounds_of(field)
         span = allowed(extra["low"], extra["high"], extra["unit"])
-        rows.append((name_without_unit(key), in_words(value, extra["unit"]), span, field.description or ""))
+        rows.append((name_without_unit(key), in_words(value, extra["unit"]), span, meaning_of(field)))
     return rows
 
 

@@ -150,7 +150,6 @@ class _Ladder:
         """The first model and that of `step` over the held-out samples."""
         from testbench.knit.catalogue import model_from_dict
         from testbench.report.overlays import overlay_of
-        from testbench.report.story import GLANCE_S
 
         catalogue = self.studio.effects.catalogue()
         shown = {
@@ -159,7 +158,7 @@ class _Ladder:
         }
         both = overlay_of(self.judged, shown, free_offset=True).within(self.judged.counts)
         both = both.in_resistance() if self.kohm else both
-        return figures.at_a_glance(both, self.steps[: step + 1], busiest_window(both, GLANCE_S))
+        return figures.at_a_glance(both, self.steps[: step + 1], busiest_window(both))
 
     def _buttons(self, last: int) -> None:
         holder = ui.column().classes("w-full")

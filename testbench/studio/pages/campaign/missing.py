@@ -9,16 +9,10 @@ from typing import TYPE_CHECKING, Any
 from nicegui import ui
 
 from testbench.comparing.words import spoken
+from testbench.diagnosis.verdict import with_probability
 from testbench.report.figures import diagnosis_figures as figures
 from testbench.report.figures.kohm import contribution_kohm
-from testbench.report.words import (
-    NOT_REFITTED,
-    base_in_words,
-    error_left,
-    probability_of,
-    verdict_in_words,
-    with_probability,
-)
+from testbench.report.words import NOT_REFITTED, base_in_words, error_left, verdict_in_words
 from testbench.results.result_files import read_diagnosis
 from testbench.studio import models
 from testbench.studio.memory import stamp
@@ -162,7 +156,7 @@ class _Candidates:
         later(partial(self._look, chosen))
 
     def _card(self, number: int, entry: Mapping[str, Any]) -> None:
-        left, probability = error_left(entry), probability_of(self.diagnosis, entry["effect"])
+        left = error_left(entry)
         card = ui.element("button").classes("candidate").on("click", lambda: self._look(entry))
         self.cards[entry["law"]] = card
         with card:
@@ -170,9 +164,8 @@ class _Candidates:
                 ui.label(f"{number}. {with_probability(self.diagnosis, entry['effect'])}").style("font-weight:600")
                 if entry["tied_for_first"]:
                     ui.label("tied").classes("tag bad")
-            if probability is not None:
-                with ui.element("div").classes("meter"):
-                    ui.element("div").style(f"width:{100 * probability:.1f}%")
+            with ui.element("div").classes("meter"):
+                ui.element("div").style(f"width:{100 * entry['probability']:.1f}%")
             ui.label(f"leaves {left} of the held-out error" if left else NOT_REFITTED).classes("quiet text-sm")
 
     async def _look(self, entry: Mapping[str, Any]) -> None:

@@ -9,11 +9,16 @@ import re
 import shutil
 import signal
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+import tests.testbench.report.samples as samples
 from testbench.cli import main as run_testbench
+from testbench.report.document import Picture, Report, Table
+from testbench.report.figures import comparison_figures
+from testbench.report.writing.page import to_html
 from tests.testbench.studio.browser.browsing import IN_CHROMIUM, PHONE, TABLET, screen, shot
 from tests.testbench.studio.browser.seeing import nameless, unreadable
 from tests.testbench.studio.served import Served, opened_report
@@ -335,3 +340,18 @@ def test_no_legend_lies_under_the_tools_of_its_plot_on_a_phone(standing: Served,
             )
             assert gaps
             assert min(gaps) >= 0, path
+
+
+def test_a_report_on_a_phone_cuts_no_name_off_and_breaks_no_word(browser, tmp_path) -> None:
+    both = samples.overlay()
+    named = replace(both, modelled={"+ contact relaxation asymmetric (after 2 steps)": both.modelled["baseline"]})
+    picture = Picture("signals", comparison_figures.signals(named), "Both.")
+    table = Table(("Effect",) * 8, [("relaxation",) * 8], "Words that go on for longer than a phone is wide, below.")
+    (tmp_path / "report.html").write_text(to_html(Report("T", "V", [picture, table])), encoding="utf-8")
+    with screen(browser, 390, 844) as tab:
+        tab.goto((tmp_path / "report.html").as_uri())
+        tab.wait_for_selector(".legendtext")
+        right = "what => Math.max(...[...document.querySelectorAll(what)].map(e => e.getBoundingClientRect().right))"
+        assert tab.evaluate(right, ".legendtext") <= 390
+        assert tab.evaluate(right, "caption") <= 390
+        assert tab.evaluate("document.querySelector('td').getBoundingClientRect().height") < 50, "one line"

@@ -41,10 +41,10 @@ async def test_recordings_that_end_before_the_method_forgets_are_left_out(
     (judged,) = user.find(kind=ui.select, content="Judged on").elements
     (method,) = user.find(kind=ui.select, content="Method").elements
     assert judged.options == judged.value == ["cuff", "long"]
-    await user.should_see("1 shorter than the 31 s that this method may remember cannot be judged on.")
+    await user.should_see("1 campaign is shorter than the 31 s that this method may remember, and not offered.")
     method.set_value("tuned")
     assert judged.options == judged.value == ["long"]
-    await user.should_see("2 shorter than the 77 s that this method may remember cannot be judged on.")
+    await user.should_see("2 campaigns are shorter than the 77 s that this method may remember, and not offered.")
     method.set_value("4,2,2")
     assert judged.options == ["cuff", "long"]
     assert judged.value == ["long"], "what was chosen stays"
@@ -57,7 +57,7 @@ async def test_recordings_that_end_before_the_method_forgets_are_left_out(
 async def test_where_none_lasts_long_enough_the_score_is_that_of_the_training(user: User, studio: Studio) -> None:
     cut(studio, "brief", 20)
     await user.open("/compensate?c=sleeve")
-    await user.should_see("1 shorter than the 31 s that this method may remember cannot be judged on.")
+    await user.should_see("1 campaign is shorter than the 31 s that this method may remember, and not offered.")
     await user.should_see("has resistance and force for so long: the score will be that of the training itself.")
 
 

@@ -36,7 +36,7 @@ async def test_a_fitted_campaign_opens_every_step(user: User, fitted: Studio, pa
 async def test_candidates_are_ranked_and_ties_are_said(user: User, fitted: Studio) -> None:
     with_diagnosis(fitted)
     await user.open("/missing?c=sleeve")
-    await user.should_see("The model is missing stress relaxation")
+    await user.should_see("Missing: stress relaxation")
     await user.should_see("1. stress relaxation")
     await user.should_see("2. load cell creep")
     await user.should_see("tied")
