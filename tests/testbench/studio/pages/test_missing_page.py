@@ -163,6 +163,29 @@ async def test_motions_for_an_earlier_diagnosis_are_not_shown(user: User, fitted
     await user.should_not_see("Run “long hold”")
 
 
+async def test_a_held_out_recording_may_be_of_the_same_specimen(
+    user: User, fitted: Studio, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[list[str]] = []
+    monkeypatch.setattr(missing, "run_in_turn", lambda studio, key, commands, *more: asked.append(commands[0][1]))
+    await user.open("/missing?c=sleeve")
+    await user.should_see("Find what is missing")
+    await user.should_not_see("Rest before the held-out recording / s")
+    path = models.model_path(fitted, "sleeve")
+    shutil.copytree(fitted.workspace.root / "sleeve", fitted.workspace.root / "other")
+    held_out = str(fitted.workspace.root / "other" / "recording.csv")
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"held_out": held_out}))
+    await user.open("/missing?c=sleeve")
+    for said in (None, 120.0):
+        (field,) = user.find(kind=ui.number, content="Rest before the held-out recording / s").elements
+        field.value = said
+        user.find(kind=ui.button, content="Find what is missing").click()
+        await asyncio.sleep(0)
+    fresh, same = asked
+    assert "--rest-s" not in fresh
+    assert same[same.index("--rest-s") + 1] == "120"
+
+
 async def test_the_next_step_is_judged_on_what_the_first_was(fitted: Studio) -> None:
     assert models.held_out_of(fitted, "sleeve") == models.LAST_THIRD
     title, argv = models.add_command(fitted, "sleeve", "stress_relaxation")
