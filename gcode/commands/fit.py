@@ -47,6 +47,7 @@ def run(args: argparse.Namespace) -> None:
     from gcode.trajectories.toml_spec import spec_to_toml
     from gcode.trajectories.trajectory import Limits
 
+    files.check_place(args.output)
     target = Target(
         v_mean_mm_per_s=args.v_mean,
         v_sd_mm_per_s=args.v_sd,

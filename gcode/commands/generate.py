@@ -47,6 +47,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Make, check and write; nothing is written when the check fails."""
+    from gcode.programs.make import places
+
+    places(args.output)
     made = _made(args)
     paths = made.write(args.output)
     if args.plot:

@@ -6,7 +6,8 @@ so that ``--help`` answers at once. A command never writes over a file that it r
 ``{"output": "model"}`` lets a new model take the place of the one it came from.
 
 Messages come from the public functions, and name their parameters in backticks: ``give `held_out` ``. Here, and
-nowhere else, such a name becomes the option of the command that runs: ``give --held-out``.
+nowhere else, such a name becomes the option of the command that runs: ``give --held-out``. So does the name that an
+error begins with: ``seed must be 0 or more``.
 """
 
 from __future__ import annotations
@@ -198,6 +199,7 @@ def _file(word: str, written: bool) -> tuple[int, int] | str | None:
 
 
 def _fail(command: str, message: str) -> int:
+    message = re.sub(r"^(\w+)(?=:| must )", lambda name: _OPTIONS.get(name[1].lower(), name[0]), message)
     print(f"{command}: error: {printable(message)}", file=sys.stderr)
     return EXIT_BAD_INPUT
 
