@@ -23,9 +23,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     import json
+    from pathlib import Path
 
     from testbench.api.bench.aligning import align
+    from testbench.campaigns.clearing import check_vacant
 
+    if args.out:
+        check_vacant(Path(args.out), args.overwrite, "aligned")
     found = align(args.recording, args.program, gauge_length_mm=args.gauge_length_mm)
     if args.json:
         print(json.dumps(found.to_dict()))

@@ -27,6 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
+    from gcode.programs.make import places
     from gcode.support.errors import UserError
     from gcode.support.files import check_place
     from testbench.api.experiments.designing import next_experiment
@@ -41,6 +42,8 @@ def run(args: argparse.Namespace) -> int:
         raise UserError(f"experiment: {told}")
     check_place(args.json)
     check_place(args.plot)
+    if args.output:
+        places(args.output)
     if args.plot:
         figure_format(args.plot)
     tell = Telling("motion", len(MENU), "imitating on")

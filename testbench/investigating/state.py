@@ -71,7 +71,7 @@ class Settings(StrictModel):
     rest_s: Rest = 30.0
     seed: int = Field(1, ge=0, lt=2**31)
     trials: int = Field(24, ge=1, le=10_000)
-    effects_at_most: int = Field(1, ge=1, le=10)
+    effects_at_most: int = Field(1, ge=1)
     max_force_N: Positive | None = None
     gauge_length_mm: GaugeLength = 25.0
     effects_sha256: Sha256 | None = None
