@@ -97,6 +97,14 @@ class Plan:
         return [PROGRAM, *past_names(len(self.past)), *([EFFECTS] if self.effects else [])]
 
 
+def effects_kept(model: KnitModel, effects: Path | None) -> Path | None:
+    """The file with effects of somebody's own, if the model has one of them: a campaign keeps no other beside it."""
+    from testbench.knit.catalogue import load_catalogue
+
+    known = load_catalogue().effects
+    return None if all(effect.name in known for effect in model.effects.values()) else effects
+
+
 @lru_cache(maxsize=8)
 def _played(path: Path, sha256: str, gauge_length_mm: float) -> Motion:
     return played(path, gauge_length_mm)[0]

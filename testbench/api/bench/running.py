@@ -18,7 +18,7 @@ from gcode.support.kinds import flag, instance, number, path_of, whole
 from testbench.api.arguments import AnyModel, Effects, catalogue_of, is_preset, model_file_of, model_name, own_file
 from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live
 from testbench.campaigns.clearing import vacant
-from testbench.campaigns.plan import Plan, programs_before
+from testbench.campaigns.plan import Plan, effects_kept, programs_before
 from testbench.recordings.files import check_beside, read_recording
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.recording import Recording
@@ -258,4 +258,5 @@ def planned(
     with program_file(program) as path:
         motion, gauge = played(path, gauge_length_mm)
         past = programs_before(earlier, knit, gauge, own)
+        own = effects_kept(knit, own)
         yield Plan(path, knit, gauge, seed, model_name(model), tools, past, rest_s, own), motion

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import testbench as tb
 from gcode.support.errors import UserError
 from testbench import cli
 from testbench.api.arguments import recordings_for
@@ -291,6 +292,17 @@ class Mine(Effect):
     def apply(self, signals, dt_s):
         return {"conductance_S": signals["conductance_S"] * (1 + self.gain * signals["strain"])}
 """
+
+
+def test_a_file_of_own_effects_that_the_sensor_has_none_of_is_not_kept(tmp_path):
+    """It was, and the campaign could not be made again without it."""
+    own = tmp_path / "mine.py"
+    own.write_text(OWN_EFFECT)
+    program = plan(tmp_path).program
+    made = tb.run("pes", program, tmp_path / "c", effects=own)
+    assert not (made.folder / "effects.py").exists()
+    assert "effects_sha256" not in made.recording.metadata["recipe"]
+    assert tb.verify(made.folder, again=True).intact
 
 
 def test_a_campaign_with_own_effects_carries_them_and_asks_before_it_runs_them(tmp_path, capsys):
