@@ -6,8 +6,8 @@ so that ``--help`` answers at once. A command never writes over a file that it r
 ``{"output": "model"}`` lets a new model take the place of the one it came from.
 
 Messages come from the public functions, and name their parameters in backticks: ``give `held_out` ``. Here, and
-nowhere else, such a name becomes the option of the command that runs: ``give --held-out``. So does the name that an
-error begins with: ``seed must be 0 or more``.
+nowhere else, such a name becomes the option of the command that runs: ``give --held-out``. So does the one that an
+error begins with: ``seed must be 0 or more``, ``Limits: v_max_mm_per_s: ...``. It is the ``dest`` of the option.
 """
 
 from __future__ import annotations
@@ -37,6 +37,7 @@ MOST_PROCESSES = 1024
 # Of the environment: libraries end in a traceback where these are no such numbers, some while they are imported.
 NUMBERS = {"SOURCE_DATE_EPOCH": (0, 99_999_999_999), "NUMBA_NUM_THREADS": (1, MOST_PROCESSES)}
 EXIT_BAD_INPUT = 2
+_SUBJECT = re.compile(r"^(?:[A-Z]\w*: )?(?:(?:\w+\.)+(?=[a-z]+_))?([a-z]\w*)(?=:| must )")  # a name, no file's
 _OPTIONS: dict[str, str] = {}  # of the command that runs, by the name of the parameter in small letters
 EXIT_INTERRUPTED = 130
 
@@ -199,7 +200,7 @@ def _file(word: str, written: bool) -> tuple[int, int] | str | None:
 
 
 def _fail(command: str, message: str) -> int:
-    message = re.sub(r"^(\w+)(?=:| must )", lambda name: _OPTIONS.get(name[1].lower(), name[0]), message)
+    message = _SUBJECT.sub(lambda name: _OPTIONS.get(name[1].lower(), name[0]), message)
     print(f"{command}: error: {printable(message)}", file=sys.stderr)
     return EXIT_BAD_INPUT
 

@@ -54,6 +54,6 @@ class RangedPiece(Piece):
     def _ordered(self) -> Any:
         if not self.low_percent < self.high_percent:
             raise ValueError(
-                f"low_percent must be below high_percent, got {self.low_percent:g} and {self.high_percent:g}"
+                f"low_percent must be below `high_percent`, got {self.low_percent:g} and {self.high_percent:g}"
             )
         return self

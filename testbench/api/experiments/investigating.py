@@ -12,7 +12,6 @@ from typing import Literal
 from gcode.support.errors import UserError
 from gcode.support.files import copy_file, refuse_links, sha256_of, write_json
 from gcode.support.kinds import flag, number, path_of, whole
-from gcode.support.strict import validated
 from testbench.api.arguments import AnyModel, Effects, catalogue_of, model_file_of, model_name
 from testbench.api.experiments.designing import bounds_said
 from testbench.api.experiments.investigation import InvestigationResult
@@ -167,9 +166,8 @@ def investigate(
             "effects_sha256": sha256_of(own_file) if own_file else None,
             "own_effects": _own_effects(catalogue),
         }
-        settings = validated(asked, Settings, "investigate", "set of limits")
         keep = partial(_keep_beside, models={SENSOR: hidden, START: start}, effects=own_file)
-        loop.begin(folder, settings, str(port) if sensor is None else model_name(sensor), keep)
+        loop.begin(folder, Settings(**asked), str(port) if sensor is None else model_name(sensor), keep)
     told = partial(_told, folder, after_run)
     with _forgotten_unless_begun(folder, resume, there), telling(progress) as tell:
         state = load_investigation(folder)

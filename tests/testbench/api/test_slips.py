@@ -81,7 +81,7 @@ SLIPS = {
     ),
     "a piece that goes nowhere": (
         lambda: gcode.Triangle(high_percent=-20, speed_mm_per_s=1, cycles=3),
-        "Triangle: low_percent must be below high_percent, got 0 and -20",
+        "Triangle: low_percent must be below `high_percent`, got 0 and -20",
     ),
     "a limit as text": (lambda: gcode.Limits(v_max_mm_per_s="fast"), "Limits: v_max_mm_per_s: Input should be"),
     "a length as text, to plan": (
