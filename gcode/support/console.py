@@ -123,10 +123,6 @@ def _run(args: argparse.Namespace, words: Sequence[str]) -> int:
         return _fail(args.command, str(error))
     except MemoryError:
         return _fail(args.command, "this needs more memory than there is; give less at once, or a lower rate")
-    except BrokenPipeError:
-        # The reader of our output (head, less) has gone; that is its right.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
     except OSError as error:
         return _fail(args.command, f"{error.filename or 'system'}: {error.strerror or error}")
     except RuntimeError as error:
@@ -217,15 +213,28 @@ def printable(text: str) -> str:
 
 
 class _Printable:
-    """A stream that is written to through `printable`, which shows names that are no text (lone surrogates), too."""
+    """A stream that is written to through `printable`, which shows names that are no text (lone surrogates), too.
+
+    Where its reader has gone (head, less), which is its right, the work goes on: to its files and its exit code.
+    """
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
 
     def write(self, text: str) -> int:
         """Write what may be shown."""
-        self._stream.write(printable(text))
+        self._unless_gone(lambda: self._stream.write(printable(text)))
         return len(text)
+
+    def flush(self) -> None:
+        """Pass it on."""
+        self._unless_gone(self._stream.flush)
+
+    def _unless_gone(self, act: Callable[[], object]) -> None:
+        try:
+            act()
+        except BrokenPipeError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), self._stream.fileno())
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._stream, name)

@@ -59,11 +59,11 @@ def run(args: argparse.Namespace) -> int:
         progress=tell,
     )
     tell("")
-    show(found, args.json)
     written = found.program.write(args.output) if args.output else []
     if args.plot:
         found.write_picture(args.plot)
         written.append(args.plot)
+    show(found, args.json)
     if args.json != "-":
         for path in written:
             print(f"wrote {path}")
