@@ -330,6 +330,22 @@ SLIPS = {
         lambda: tb.make_report(tb.example(duration_s=20)).write(5),
         "got int, not the path of a report",
     ),
+    "a rest without an end": (
+        lambda: tb.simulate("pes", gcode.generate("paper-1", seed=1, duration_s=20), rest_s=float("inf")),
+        "rest_s must be from 0 to 100000 s, got inf",
+    ),
+    "a rig that stands still": (
+        lambda: tb.serve_rig("pes", gcode.generate("paper-1", seed=1, duration_s=20), speed=0),
+        "speed: must be a positive number, got 0",
+    ),
+    "rivals that were never fitted": (
+        lambda: tb.next_experiment([tb.baseline(), "pes"]),
+        "model 1: was never fitted, and knows no noise floor; fit it on a recording first",
+    ),
+    "a cluster as a number": (
+        lambda: tb.dataset("a.toml", "knits", scheduler=5),
+        "scheduler: must be an address such as tcp://10.0.0.5:8786, got 5",
+    ),
     "a program that was not written": (
         lambda: tb.record("/dev/no-port", gcode.generate("paper-1", seed=1, duration_s=20), "knit"),
         "got Made, not the path of a program",
