@@ -67,8 +67,8 @@ class Made:
 
     def __repr__(self) -> str:
         found = self.statistics
-        moved = f"{round(found.x_min_mm, 6) + 0.0:.3g} to {found.x_max_mm:.3g} mm"
-        return f"<Made {self.spec.name}, seed {self.seed}: {found.duration_s:.1f} s, {moved}>"
+        low, high = (round(end, 6) + 0.0 for end in (found.x_min_mm, found.x_max_mm))
+        return f"<Made {self.spec.name}, seed {self.seed}: {found.duration_s:.1f} s, {low:.3g} to {high:.3g} mm>"
 
     def _repr_html_(self) -> str:
         title = f"{self.spec.name}, seed {self.seed}, gauge length {self.gauge_length_mm:g} mm, as executed"

@@ -144,7 +144,8 @@ def plan_of(folder: Path, effects: Path | None = None) -> Plan:
     for path, digest in zip((program, *past), (recipe.get("program_sha256"), *digests), strict=True):
         if not path.is_file() or sha256_of(path) != digest:
             raise UserError(f"{path}: missing or not the program that the manifest names")
-    own = _own_effects(folder, recipe.get("effects_sha256"), effects)
+    digest = recipe.get("effects_sha256")
+    own = None if digest is None else named_effects(folder, folder / EFFECTS, effects, digest)
     model = model_from_dict(recipe.get("model"), load_catalogue(own), str(folder / manifest.NAME))
     return Plan(
         program=program,
@@ -157,11 +158,6 @@ def plan_of(folder: Path, effects: Path | None = None) -> Plan:
         rest_s=float(recipe.get("rest_s", DEFAULT_REST_S)),
         effects=own,
     )
-
-
-def _own_effects(folder: Path, digest: str | None, effects: Path | None) -> Path | None:
-    """The file of own effects that the campaign was made with; None if it has none."""
-    return None if digest is None else named_effects(folder, folder / EFFECTS, effects, digest)
 
 
 def programs_before(

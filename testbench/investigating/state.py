@@ -19,7 +19,6 @@ from testbench.measurements.responses import UNIT_OF
 from testbench.recordings.stored import GaugeLength, Label, Remark, Sha256, checked_model
 
 NAME = "investigation.json"
-FORMAT = "knitbench-investigation"
 MOST_RUNS = 200
 SURE, SPENT = "sure", "the time is spent"
 

@@ -52,6 +52,13 @@ def test_a_sum_chains_pieces_and_protocols_and_nothing_else():
         3 + a
 
 
+def test_zero_is_told_as_zero():
+    """It was ``5.88e-19 mm``, and may have been ``-0.000``."""
+    made = gcode.generate(Triangle(low_percent=-10, high_percent=0, speed_mm_per_s=2), seed=2)
+    assert repr(made).endswith("-2.5 to 0 mm>")
+    assert made.statistics.model_copy(update={"x_max_mm": -1e-9}).lines()[0].endswith("-2.500 to 0.000 mm")
+
+
 def test_what_a_jerk_limit_takes_from_a_stroke_is_noted():
     """It was not: a triangle to 5 mm went to 4.1 mm, and nobody was told."""
     triangle = Triangle(high_percent=20, speed_mm_per_s=2)

@@ -253,12 +253,12 @@ def planned(
     """Everything that a simulated campaign depends on, and the motion of its program; parameters as in `run`."""
     own = Path(effects) if isinstance(effects, str | Path) else None
     knit, earlier = model_file_of(model, catalogue_of(effects)).model, earlier_runs(after)
-    seed = whole("seed:", seed, 0)
-    if not 0 <= number("rest_s", rest_s) <= LONGEST_REST_S:
-        raise UserError(f"rest_s must be from 0 to {LONGEST_REST_S:g} s, got {rest_s:g}")
+    seed, rest_s = whole("seed:", seed, 0), number("rest_s", rest_s, 0)
+    if rest_s > LONGEST_REST_S:
+        raise UserError(f"rest_s must be at most {LONGEST_REST_S:g} s, got {rest_s:g}")
     tools = Instruments() if instruments is None else instance("instruments", instruments, Instruments)
     with program_file(program) as path:
         motion, gauge = played(path, gauge_length_mm)
         past = programs_before(earlier, knit, gauge, own)
         own = effects_kept(knit, own)
-        yield Plan(path, knit, gauge, seed, model_name(model), tools, past, float(rest_s), own), motion
+        yield Plan(path, knit, gauge, seed, model_name(model), tools, past, rest_s, own), motion
