@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
+from gcode.commands.generate import LIMITS
+
 if TYPE_CHECKING:
     from gcode.mach4.check import CheckResult
 
@@ -16,21 +18,22 @@ SHOWN = 20
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("program", metavar="PROGRAM", help="a Mach4 or plain RS274/NGC file")
-    parser.add_argument("--v-max", type=float, required=True, metavar="MM/S", help="speed limit")
-    parser.add_argument("--a-max", type=float, required=True, metavar="MM/S2", help="acceleration limit")
-    parser.add_argument("--x-min", type=float, required=True, metavar="MM", help="soft limit, lower end")
-    parser.add_argument("--x-max", type=float, required=True, metavar="MM", help="soft limit, upper end")
+    v_max, a_max, j_max, x_min, x_max = LIMITS
+    parser.add_argument("--v-max", dest=v_max, type=float, required=True, metavar="MM/S", help="speed limit")
+    parser.add_argument("--a-max", dest=a_max, type=float, required=True, metavar="MM/S2", help="acceleration limit")
+    parser.add_argument("--x-min", dest=x_min, type=float, required=True, metavar="MM", help="soft limit, lower end")
+    parser.add_argument("--x-max", dest=x_max, type=float, required=True, metavar="MM", help="soft limit, upper end")
     parser.add_argument(
         "--rate-hz", type=float, default=20.0, metavar="HZ", help="rate of the finite differences (default 20)"
     )
     parser.add_argument(
         "--machine-acceleration",
-        dest="machine",
+        dest="acceleration_mm_per_s2",
         type=float,
         metavar="MM/S2",
         help="the controller's own, default: 5 a-max (what the file says of it counts for nothing)",
     )
-    parser.add_argument("--j-max", type=float, metavar="MM/S3", help="jerk limit (default: none)")
+    parser.add_argument("--j-max", dest=j_max, type=float, metavar="MM/S3", help="jerk limit (default: none)")
     parser.add_argument(
         "--rapid",
         dest="rapid_mm_per_s",
@@ -60,14 +63,9 @@ def run(args: argparse.Namespace) -> int:
     from gcode.programs.made_again import check_file
     from gcode.trajectories.trajectory import Limits
 
-    limits = Limits(
-        v_max_mm_per_s=args.v_max,
-        a_max_mm_per_s2=args.a_max,
-        j_max_mm_per_s3=args.j_max,
-        x_min_mm=args.x_min,
-        x_max_mm=args.x_max,
-    )
-    machine = None if args.machine is None else Machine(acceleration_mm_per_s2=args.machine)
+    limits = Limits(**{name: getattr(args, name) for name in LIMITS})
+    own = args.acceleration_mm_per_s2
+    machine = None if own is None else Machine(acceleration_mm_per_s2=own)
     result, origin = check_file(
         read_text(args.program),
         limits,

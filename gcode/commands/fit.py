@@ -11,18 +11,36 @@ if TYPE_CHECKING:
 
 SUMMARY = "find a spec whose executed motion has given means and SDs of speed and acceleration"
 EXAMPLE = "gcode fit --v-mean 0.943 --v-sd 0.593 --a-mean 1.397 --a-sd 1.303 -o mine.toml"
+WANTED = ("v_mean_mm_per_s", "v_sd_mm_per_s", "a_mean_mm_per_s2", "a_sd_mm_per_s2")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--v-mean", type=float, required=True, metavar="MM/S", help="mean of |v|")
-    parser.add_argument("--v-sd", type=float, required=True, metavar="MM/S", help="standard deviation of |v|")
-    parser.add_argument("--a-mean", type=float, required=True, metavar="MM/S2", help="mean of |a|")
-    parser.add_argument("--a-sd", type=float, required=True, metavar="MM/S2", help="standard deviation of |a|")
+    v_mean, v_sd, a_mean, a_sd = WANTED
+    parser.add_argument("--v-mean", dest=v_mean, type=float, required=True, metavar="MM/S", help="mean of |v|")
+    parser.add_argument(
+        "--v-sd", dest=v_sd, type=float, required=True, metavar="MM/S", help="standard deviation of |v|"
+    )
+    parser.add_argument("--a-mean", dest=a_mean, type=float, required=True, metavar="MM/S2", help="mean of |a|")
+    parser.add_argument(
+        "--a-sd", dest=a_sd, type=float, required=True, metavar="MM/S2", help="standard deviation of |a|"
+    )
     parser.add_argument(
         "--rate-hz", type=float, default=20.0, metavar="HZ", help="rate at which they are taken (default 20)"
     )
-    parser.add_argument("--v-max", type=float, metavar="MM/S", help="speed limit; default 5 times --v-mean")
-    parser.add_argument("--a-max", type=float, metavar="MM/S2", help="acceleration limit; default 14 times --a-mean")
+    parser.add_argument(
+        "--v-max",
+        dest="v_max_mm_per_s",
+        type=float,
+        metavar="MM/S",
+        help="speed limit; default 5 times --v-mean",
+    )
+    parser.add_argument(
+        "--a-max",
+        dest="a_max_mm_per_s2",
+        type=float,
+        metavar="MM/S2",
+        help="acceleration limit; default 14 times --a-mean",
+    )
     parser.add_argument(
         "--gauge-length-mm",
         type=float,
@@ -47,16 +65,12 @@ def run(args: argparse.Namespace) -> None:
     from gcode.trajectories.toml_spec import spec_to_toml
     from gcode.trajectories.trajectory import Limits
 
-    target = Target(
-        v_mean_mm_per_s=args.v_mean,
-        v_sd_mm_per_s=args.v_sd,
-        a_mean_mm_per_s2=args.a_mean,
-        a_sd_mm_per_s2=args.a_sd,
-        rate_hz=args.rate_hz,
-    )
+    files.check_place(args.output)
+    target = Target(rate_hz=args.rate_hz, **{name: getattr(args, name) for name in WANTED})
+    v_max, a_max = args.v_max_mm_per_s, args.a_max_mm_per_s2
     limits = Limits(
-        v_max_mm_per_s=5.0 * args.v_mean if args.v_max is None else args.v_max,
-        a_max_mm_per_s2=14.0 * args.a_mean if args.a_max is None else args.a_max,
+        v_max_mm_per_s=5.0 * target.v_mean_mm_per_s if v_max is None else v_max,
+        a_max_mm_per_s2=14.0 * target.a_mean_mm_per_s2 if a_max is None else a_max,
     )
     asked = {name: getattr(args, name) for name in ("gauge_length_mm", "low_percent", "high_percent")}
     result = fit(target, limits, **asked, on_shape=Progress("fit", len(SHAPES)).step)

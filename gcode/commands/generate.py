@@ -11,15 +11,8 @@ if TYPE_CHECKING:
 
 SUMMARY = "plan a trajectory and write trajectory.csv, program.tap and trajectory.json"
 EXAMPLE = "gcode generate --preset paper-1 --seed 51 --gauge-length-mm 25 -o run-1"
-LIMITS = {
-    "v_max": "v_max_mm_per_s",
-    "a_max": "a_max_mm_per_s2",
-    "j_max": "j_max_mm_per_s3",
-    "x_min": "x_min_mm",
-    "x_max": "x_max_mm",
-}
-
-IN_THE_HEADER = ("seed", "gauge_length_mm", "feed_mode", "duration_s", "machine_acceleration", *LIMITS)
+LIMITS = ("v_max_mm_per_s", "a_max_mm_per_s2", "j_max_mm_per_s3", "x_min_mm", "x_max_mm")
+IN_THE_HEADER = ("seed", "gauge_length_mm", "feed_mode", "duration_s", "machine_acceleration_mm_per_s2", *LIMITS)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -36,17 +29,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     new.add_argument("--seed", type=int, metavar="N", help="0 or more: another seed is another motion")
     new.add_argument("--gauge-length-mm", type=float, metavar="MM", help="sample length between the grips")
     new.add_argument("--feed-mode", choices=("G94", "G93"), help="feed per minute (default) or inverse time")
-    new.add_argument("--v-max", type=float, metavar="MM/S", help="speed limit")
-    new.add_argument("--a-max", type=float, metavar="MM/S2", help="acceleration limit")
-    new.add_argument("--j-max", type=float, metavar="MM/S3", help="jerk limit")
-    new.add_argument("--x-min", type=float, metavar="MM", help="machine travel, lower end")
-    new.add_argument("--x-max", type=float, metavar="MM", help="machine travel, upper end")
+    v_max, a_max, j_max, x_min, x_max = LIMITS
+    new.add_argument("--v-max", dest=v_max, type=float, metavar="MM/S", help="speed limit")
+    new.add_argument("--a-max", dest=a_max, type=float, metavar="MM/S2", help="acceleration limit")
+    new.add_argument("--j-max", dest=j_max, type=float, metavar="MM/S3", help="jerk limit")
+    new.add_argument("--x-min", dest=x_min, type=float, metavar="MM", help="machine travel, lower end")
+    new.add_argument("--x-max", dest=x_max, type=float, metavar="MM", help="machine travel, upper end")
     new.add_argument("--duration-s", type=float, metavar="S", help="duration of the (one) noise piece")
-    new.add_argument("--machine-acceleration", type=float, metavar="MM/S2", help="default: 5 a-max")
+    new.add_argument(
+        "--machine-acceleration",
+        dest="machine_acceleration_mm_per_s2",
+        type=float,
+        metavar="MM/S2",
+        help="default: 5 a-max",
+    )
 
 
 def run(args: argparse.Namespace) -> None:
     """Make, check and write; nothing is written when the check fails."""
+    from gcode.programs.make import places
+
+    places(args.output)
     made = _made(args)
     paths = made.write(args.output)
     if args.plot:
@@ -70,8 +73,7 @@ def _made(args: argparse.Namespace) -> Made:
 
     if args.again:
         if given := [name for name in IN_THE_HEADER if getattr(args, name) is not None]:
-            option = f"--{given[0].replace('_', '-')}"
-            raise UserError(f"--again makes the program as its header says; leave {option} out")
+            raise UserError(f"--again makes the program as its header says; leave `{given[0]}` out")
         return make_again(load_program(args.again))
     if args.seed is None or args.gauge_length_mm is None:
         raise UserError("--seed and --gauge-length-mm are needed, e.g. --seed 51 --gauge-length-mm 25")
@@ -81,6 +83,6 @@ def _made(args: argparse.Namespace) -> Made:
         args.gauge_length_mm,
         duration_s=args.duration_s,
         feed_mode=args.feed_mode or "G94",
-        machine_acceleration_mm_per_s2=args.machine_acceleration,
-        **{field: value for option, field in LIMITS.items() if (value := getattr(args, option)) is not None},
+        machine_acceleration_mm_per_s2=args.machine_acceleration_mm_per_s2,
+        **{name: value for name in LIMITS if (value := getattr(args, name)) is not None},
     )

@@ -15,13 +15,36 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--rate-hz", type=float, default=20.0, metavar="HZ", help="sample rate of the result (default 20)"
     )
     parser.add_argument(
-        "--acceleration", type=float, metavar="MM/S2", help="the controller's; default: as the header says, else 100"
+        "--acceleration",
+        dest="acceleration_mm_per_s2",
+        type=float,
+        metavar="MM/S2",
+        help="the controller's; default: as the header says, else 100",
     )
-    parser.add_argument("--look-ahead", type=int, default=20, metavar="BLOCKS", help="default 20, as in Mach4")
     parser.add_argument(
-        "--corner-speed", type=float, default=0.0, metavar="MM/S", help="step at a reversal (default 0: stop)"
+        "--look-ahead",
+        dest="look_ahead_blocks",
+        type=int,
+        default=20,
+        metavar="BLOCKS",
+        help="default 20, as in Mach4",
     )
-    parser.add_argument("--rapid", type=float, default=50.0, metavar="MM/S", help="speed of G0 moves (default 50)")
+    parser.add_argument(
+        "--corner-speed",
+        dest="corner_mm_per_s",
+        type=float,
+        default=0.0,
+        metavar="MM/S",
+        help="step at a reversal (default 0: stop)",
+    )
+    parser.add_argument(
+        "--rapid",
+        dest="rapid_mm_per_s",
+        type=float,
+        default=50.0,
+        metavar="MM/S",
+        help="speed of G0 moves (default 50)",
+    )
 
 
 def run(args: argparse.Namespace) -> None:
@@ -35,10 +58,10 @@ def run(args: argparse.Namespace) -> None:
         raise UserError(f"{args.output}: has the name of a program, and a table is written; choose another with -o")
     program = load_program(args.program)
     machine = Machine(
-        acceleration_mm_per_s2=machine_for(program, args.acceleration).acceleration_mm_per_s2,
-        rapid_mm_per_s=args.rapid,
-        look_ahead_blocks=args.look_ahead,
-        corner_mm_per_s=args.corner_speed,
+        acceleration_mm_per_s2=machine_for(program, args.acceleration_mm_per_s2).acceleration_mm_per_s2,
+        rapid_mm_per_s=args.rapid_mm_per_s,
+        look_ahead_blocks=args.look_ahead_blocks,
+        corner_mm_per_s=args.corner_mm_per_s,
     )
     executed = play(program, args.rate_hz, machine)
     executed.write_csv(args.output)

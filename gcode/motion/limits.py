@@ -13,7 +13,6 @@ from gcode.motion.path import Path
 from gcode.support.errors import UserError
 
 MAX_STRETCH = 2.0  # a plan that the limits make longer than this is no longer the plan that was asked for
-LONGEST_MEAN_S = 5.0
 _FINE = 16  # points of the running mean per sample
 
 
@@ -52,14 +51,8 @@ def sampled_positions(
     """Positions at `rate_hz` from start to end, with the jerk limited if a limit is given."""
     if j_max_mm_per_s3 is None:
         return motion.positions(rate_hz)
-    mean_s = 2.0 * a_max_mm_per_s2 / j_max_mm_per_s3
-    if mean_s > LONGEST_MEAN_S:
-        raise UserError(
-            f"limits: j max {j_max_mm_per_s3:g} mm/s3 is too low for a max {a_max_mm_per_s2:.4g} mm/s2 (at least "
-            f"{2.0 * a_max_mm_per_s2 / LONGEST_MEAN_S:.3g}); raise it or lower a max"
-        )
     fine_hz = rate_hz * _FINE
-    width = int(np.ceil(mean_s * fine_hz)) + 1
+    width = int(np.ceil(2.0 * a_max_mm_per_s2 / j_max_mm_per_s3 * fine_hz)) + 1
     samples = int(np.ceil((motion.end_s + width / fine_hz) * rate_hz)) + 1
     times = (np.arange((samples - 1) * _FINE + width) - (width - 1)) / fine_hz
     total = np.concatenate(([0.0], np.cumsum(motion.position_at(times))))

@@ -26,8 +26,9 @@ class MotionStatistics(BaseModel):
 
     def lines(self) -> list[str]:
         """A small table for the screen."""
+        low, high = (round(end, 3) + 0.0 for end in (self.x_min_mm, self.x_max_mm))
         rows = [
-            f"{self.duration_s:.1f} s, position {round(self.x_min_mm, 3) + 0.0:.3f} to {self.x_max_mm:.3f} mm",
+            f"{self.duration_s:.1f} s, position {low:.3f} to {high:.3f} mm",
             f"at {self.sample_rate_hz:g} Hz       max     mean       SD",
         ]
         for name, unit in (("v", "mm_per_s"), ("a", "mm_per_s2")):

@@ -21,7 +21,7 @@ from gcode.support.errors import UserError
 from gcode.support.html import card
 from gcode.support.strict import validated
 from gcode.trajectories.natural import Noise
-from gcode.trajectories.planning import check_request, plan, slowest_stroke
+from gcode.trajectories.planning import check_request, plan, slowest_stroke, whole_path
 from gcode.trajectories.target import NAMES
 from gcode.trajectories.trajectory import AMPLE, Trajectory, TrajectorySpec
 
@@ -67,8 +67,8 @@ class Made:
 
     def __repr__(self) -> str:
         found = self.statistics
-        moved = f"{round(found.x_min_mm, 6) + 0.0:.3g} to {found.x_max_mm:.3g} mm"
-        return f"<Made {self.spec.name}, seed {self.seed}: {found.duration_s:.1f} s, {moved}>"
+        low, high = (round(end, 6) + 0.0 for end in (found.x_min_mm, found.x_max_mm))
+        return f"<Made {self.spec.name}, seed {self.seed}: {found.duration_s:.1f} s, {low:.3g} to {high:.3g} mm>"
 
     def _repr_html_(self) -> str:
         title = f"{self.spec.name}, seed {self.seed}, gauge length {self.gauge_length_mm:g} mm, as executed"
@@ -107,14 +107,20 @@ class Made:
         return notes + self._slowed() + self._off_the_plan()
 
     def _slowed(self) -> list[str]:
-        """Where the limits do not let a designed piece, or the way to it, be as fast as asked."""
+        """Where the limits do not let a designed piece, or the way to it, be as fast or go as far as asked."""
         designed = tuple(piece for piece in self.spec.pieces if not isinstance(piece, Noise))
         if not designed:
             return []
-        asked, reached = slowest_stroke(self.spec.model_copy(update={"pieces": designed}), self.gauge_length_mm)
-        if reached >= (1.0 - MISSED) * asked:
-            return []
-        return [f"{asked:.3g} mm/s are asked for where these limits let the axis reach {reached:.3g} mm/s"]
+        spec, limits, told = self.spec.model_copy(update={"pieces": designed}), self.spec.limits, []
+        asked, reached = slowest_stroke(spec, self.gauge_length_mm)
+        if reached < (1.0 - MISSED) * asked:
+            told.append(f"{asked:.3g} mm/s are asked for where these limits let the axis reach {reached:.3g} mm/s")
+        if limits.j_max_mm_per_s3 is not None:
+            path = whole_path(spec, self.seed, self.gauge_length_mm, limits.v_max_mm_per_s, limits.a_max_mm_per_s2)
+            asked_mm, reached_mm = (float(np.ptp(one.position_mm)) for one in (path, self.trajectory))
+            if asked_mm - reached_mm > FAR_OFF_MM:
+                told.append(f"{asked_mm:.4g} mm are asked for, of which the jerk limit leaves {reached_mm:.4g} mm")
+        return told
 
     def _off_the_plan(self) -> list[str]:
         """What a controller of little acceleration makes of the plan, where that is something else."""
@@ -141,14 +147,27 @@ class Made:
 
     def write(self, folder: str | Path) -> list[Path]:
         """Write trajectory.csv, program.tap and trajectory.json into `folder`."""
-        folder = files.make_folder(folder)
-        paths = [folder / name for name in ("trajectory.csv", "program.tap", "trajectory.json")]
-        for path in paths:
-            files.check_place(path)
+        paths = places(folder)
+        files.make_folder(folder)
         self.trajectory.write_csv(paths[0])
         files.write_text(paths[1], self.program)
         files.write_json(paths[2], self.to_dict())
         return paths
+
+
+def places(folder: str | Path) -> list[Path]:
+    """Where `Made.write` puts its files; asked before the work whose result would be lost there.
+
+    Raises
+    ------
+    UserError
+        If they cannot be written there.
+    """
+    folder = files.check_folder(folder)
+    paths = [folder / name for name in ("trajectory.csv", "program.tap", "trajectory.json")]
+    for path in paths if folder.exists() else ():
+        files.check_place(path)
+    return paths
 
 
 def make(spec: TrajectorySpec, seed: int, gauge_length_mm: float, feed_mode: FeedMode = "G94") -> Made:
@@ -172,8 +191,8 @@ def make(spec: TrajectorySpec, seed: int, gauge_length_mm: float, feed_mode: Fee
         if not problems:
             return made
     raise UserError(
-        f"limits: the program did not pass its own check, nothing was written: {problems[0]}; raise the limits, "
-        "lower rate_hz, or ask for a slower motion"
+        f"limits: the program did not pass its own check, nothing was written: {problems[0].reason}; raise that "
+        "limit, lower the spec's rate_hz, or ask for a slower motion"
     )
 
 

@@ -6,7 +6,8 @@ so that ``--help`` answers at once. A command never writes over a file that it r
 ``{"output": "model"}`` lets a new model take the place of the one it came from.
 
 Messages come from the public functions, and name their parameters in backticks: ``give `held_out` ``. Here, and
-nowhere else, such a name becomes the option of the command that runs: ``give --held-out``.
+nowhere else, such a name becomes the option of the command that runs: ``give --held-out``. So does the one that an
+error begins with: ``seed must be 0 or more``, ``Limits: v_max_mm_per_s: ...``. It is the ``dest`` of the option.
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ MOST_PROCESSES = 1024
 # Of the environment: libraries end in a traceback where these are no such numbers, some while they are imported.
 NUMBERS = {"SOURCE_DATE_EPOCH": (0, 99_999_999_999), "NUMBA_NUM_THREADS": (1, MOST_PROCESSES)}
 EXIT_BAD_INPUT = 2
+_SUBJECT = re.compile(r"^(?:[A-Z]\w*: )?(?:(?:\w+\.)+(?=[a-z]+_))?([a-z]\w*)(?=:| must )")  # a name, no file's
 _OPTIONS: dict[str, str] = {}  # of the command that runs, by the name of the parameter in small letters
 EXIT_INTERRUPTED = 130
 
@@ -121,10 +123,6 @@ def _run(args: argparse.Namespace, words: Sequence[str]) -> int:
         return _fail(args.command, str(error))
     except MemoryError:
         return _fail(args.command, "this needs more memory than there is; give less at once, or a lower rate")
-    except BrokenPipeError:
-        # The reader of our output (head, less) has gone; that is its right.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
     except OSError as error:
         return _fail(args.command, f"{error.filename or 'system'}: {error.strerror or error}")
     except RuntimeError as error:
@@ -198,6 +196,7 @@ def _file(word: str, written: bool) -> tuple[int, int] | str | None:
 
 
 def _fail(command: str, message: str) -> int:
+    message = _SUBJECT.sub(lambda name: _OPTIONS.get(name[1].lower(), name[0]), message)
     print(f"{command}: error: {printable(message)}", file=sys.stderr)
     return EXIT_BAD_INPUT
 
@@ -214,15 +213,28 @@ def printable(text: str) -> str:
 
 
 class _Printable:
-    """A stream that is written to through `printable`, which shows names that are no text (lone surrogates), too."""
+    """A stream that is written to through `printable`, which shows names that are no text (lone surrogates), too.
+
+    Where its reader has gone (head, less), which is its right, the work goes on: to its files and its exit code.
+    """
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
 
     def write(self, text: str) -> int:
         """Write what may be shown."""
-        self._stream.write(printable(text))
+        self._unless_gone(lambda: self._stream.write(printable(text)))
         return len(text)
+
+    def flush(self) -> None:
+        """Pass it on."""
+        self._unless_gone(self._stream.flush)
+
+    def _unless_gone(self, act: Callable[[], object]) -> None:
+        try:
+            act()
+        except BrokenPipeError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), self._stream.fileno())
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._stream, name)

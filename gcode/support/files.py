@@ -242,6 +242,22 @@ def make_folder(path: str | Path) -> Path:
     return path
 
 
+def check_folder(path: str | Path) -> Path:
+    """Refuse a place where there is no folder and none can be made, before the work whose result would be lost there.
+
+    Raises
+    ------
+    UserError
+        If it, or what it would be made in, is no folder, or may not be written.
+    """
+    path = path_of(path, "folder")
+    there = next(one for one in (path, *path.absolute().parents) if os.path.lexists(one))
+    if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK, effective_ids=True):
+        why = "is no folder" if not there.is_dir() else "may not be written"
+        raise UserError(f"cannot write into the folder {path}: {there} {why}; choose another")
+    return path
+
+
 def refuse_links(places: Iterable[Path], instead: str) -> None:
     """Raise `UserError`, with what to do `instead`, where a place is a link: what is written would land elsewhere."""
     for place in places:

@@ -40,7 +40,7 @@ class Limits(SpecModel):
     @model_validator(mode="after")
     def _ordered(self) -> Any:
         if not self.x_min_mm < self.x_max_mm:
-            raise ValueError(f"x_min_mm must be below x_max_mm, got {self.x_min_mm:g} and {self.x_max_mm:g}")
+            raise ValueError(f"x_min_mm must be below `x_max_mm`, got {self.x_min_mm:g} and {self.x_max_mm:g}")
         return self
 
 

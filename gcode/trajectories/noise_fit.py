@@ -16,6 +16,9 @@ from gcode.trajectories.target import NAMES, Target
 from gcode.trajectories.trajectory import Limits, TrajectorySpec
 
 SHAPES = ((2, 0.15), (2, 0.3), (1, 1.0), (3, 0.4))  # octaves, persistence; tried in turn
+# Mean |a| times the stroke over the square of mean |v|: 6 to 40 for all shapes, paces, least speeds; and what comes
+# within a quarter of that in both means.
+BRISKNESS = (2.5, 90.0)
 _SEEDS = 4
 _TRIAL_S = 690.0
 _NEAR = 0.03
@@ -73,6 +76,7 @@ def fit(
     base = Noise(duration_s=_TRIAL_S, low_percent=low_percent, high_percent=high_percent)
     frame = Frame(gauge_length_mm, 0.0, target.rate_hz, (0, 0), limits.v_max_mm_per_s, limits.a_max_mm_per_s2)
     base.model_copy(update={"target": target}).check_room(frame)
+    _check_briskness(target, gauge_length_mm * (high_percent - low_percent) / 100.0)
     tried = []
     for octaves, persistence in SHAPES:
         shape = base.model_copy(update={"octaves": octaves, "persistence": persistence})
@@ -90,6 +94,17 @@ def fit(
         return _judged(spec, target, gauge_length_mm)
     except UserError as error:
         raise UserError(f"fit: nothing that was tried comes near this target ({error}); ask for another") from None
+
+
+def _check_briskness(target: Target, stroke_mm: float) -> None:
+    """Refuse accelerations that no noise of such a mean speed has, before it is sought in vain for half a minute."""
+    least, most = (share * target.v_mean_mm_per_s**2 / stroke_mm for share in BRISKNESS)
+    if not least <= target.a_mean_mm_per_s2 <= most:
+        raise UserError(
+            f"fit: at a mean speed of {target.v_mean_mm_per_s:g} mm/s over {stroke_mm:.3g} mm the mean acceleration "
+            f"must be {least:.3g} to {most:.3g} mm/s2, got {target.a_mean_mm_per_s2:g}; ask for another, or for "
+            "another gauge length or strain range"
+        )
 
 
 def _judged(spec: TrajectorySpec, target: Target, gauge_length_mm: float) -> FitResult:

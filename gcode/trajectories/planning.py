@@ -17,6 +17,7 @@ from gcode.trajectories.quantities import LARGEST_SEED, MAX_SAMPLES
 from gcode.trajectories.trajectory import Trajectory, TrajectorySpec, position_decimals, sampled
 
 MOST_STROKES = 2_000_000
+LONGEST_MEAN_S = 5.0  # by which a jerk limit rounds the turns
 # Finite differences of rounded positions, and the executed motion's own deviations, need some room.
 _MARGINS = (0.95, 0.9, 0.8, 0.6)
 # A controller that has twice the acceleration of a plan follows straight strokes within micrometres; with less, turns
@@ -51,6 +52,7 @@ def plan(spec: TrajectorySpec, seed: int, gauge_length_mm: float, *, reserve: fl
         If the gauge length or the seed is unusable, or the limits cannot be met.
     """
     check_request(spec, seed, gauge_length_mm)
+    _check_jerk(spec)
     for margin in _MARGINS:
         trajectory = _within(spec, seed, gauge_length_mm, margin * reserve)
         beyond = excesses(trajectory.position_mm, spec.rate_hz, spec.limits)
@@ -62,7 +64,7 @@ def plan(spec: TrajectorySpec, seed: int, gauge_length_mm: float, *, reserve: fl
 def _within(spec: TrajectorySpec, seed: int, gauge_length_mm: float, margin: float) -> Trajectory:
     decimals = position_decimals(spec.rate_hz)
     v_max = max(spec.limits.v_max_mm_per_s - 10.0**-decimals * spec.rate_hz, 0.9 * spec.limits.v_max_mm_per_s)
-    a_max = min(spec.limits.a_max_mm_per_s2, _FOLLOWED * spec.controller_acceleration_mm_per_s2) * margin
+    a_max = _usable_acceleration(spec) * margin
     path = whole_path(spec, seed, gauge_length_mm, v_max, a_max)
     _check_samples(float(path.duration_s.sum()) * spec.rate_hz)
     check_travel(path, spec.limits)
@@ -72,6 +74,21 @@ def _within(spec: TrajectorySpec, seed: int, gauge_length_mm: float, margin: flo
     j_max = None if spec.limits.j_max_mm_per_s3 is None else spec.limits.j_max_mm_per_s3 * margin
     position = sampled_positions(motion, spec.rate_hz, a_max, j_max)
     return sampled(np.round(position, decimals) + 0.0, spec.rate_hz)
+
+
+def _usable_acceleration(spec: TrajectorySpec) -> float:
+    return min(spec.limits.a_max_mm_per_s2, _FOLLOWED * spec.controller_acceleration_mm_per_s2)
+
+
+def _check_jerk(spec: TrajectorySpec) -> None:
+    """Refuse a jerk limit that would round the turns for many seconds."""
+    a_max, j_max = _usable_acceleration(spec), spec.limits.j_max_mm_per_s3
+    least = 2.0 * a_max / LONGEST_MEAN_S
+    if j_max is not None and j_max < least:
+        raise UserError(
+            f"limits: j max {j_max:g} mm/s3 is too low for a max {a_max:g} mm/s2 (at least {least:.3g}); raise it or "
+            "lower a max"
+        )
 
 
 def whole_path(

@@ -26,6 +26,10 @@ class Piece(SpecModel):
         """Chain two pieces, or a piece and a protocol."""
         return Protocol(pieces=(self,)) + other
 
+    def __radd__(self, nothing: int) -> Protocol:
+        """The piece after nothing: where ``sum`` begins."""
+        return nothing + Protocol(pieces=(self,))
+
 
 class Protocol(SpecModel):
     """Pieces in a row."""
@@ -35,6 +39,9 @@ class Protocol(SpecModel):
     def __add__(self, other: Piece | Protocol) -> Protocol:
         more = other.pieces if isinstance(other, Protocol) else (other,)
         return Protocol(pieces=(*self.pieces, *more))
+
+    def __radd__(self, nothing: int) -> Protocol:
+        return self if nothing == 0 else NotImplemented
 
 
 class RangedPiece(Piece):
@@ -47,6 +54,6 @@ class RangedPiece(Piece):
     def _ordered(self) -> Any:
         if not self.low_percent < self.high_percent:
             raise ValueError(
-                f"low_percent must be below high_percent, got {self.low_percent:g} and {self.high_percent:g}"
+                f"low_percent must be below `high_percent`, got {self.low_percent:g} and {self.high_percent:g}"
             )
         return self

@@ -23,6 +23,8 @@ _OUR_NAME = re.compile(rf"{_ALL_NAMES}|\.({_ALL_NAMES})\.[0-9a-f]{{8}}\.\w+|{re.
 def vacant(folder: Path, overwrite: bool = False, origin: str = "simulated") -> None:
     """Make sure that `folder` may be written; remove the files of a campaign of that `origin` if `overwrite`.
 
+    Of no origin ("") is no campaign: whatever is there stays.
+
     The manifest goes last: what a kill leaves is still known as a campaign, and is removed by the next call.
 
     Raises

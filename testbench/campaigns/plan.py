@@ -97,6 +97,14 @@ class Plan:
         return [PROGRAM, *past_names(len(self.past)), *([EFFECTS] if self.effects else [])]
 
 
+def effects_kept(model: KnitModel, effects: Path | None) -> Path | None:
+    """The file with effects of somebody's own, if the model has one of them: a campaign keeps no other beside it."""
+    from testbench.knit.catalogue import load_catalogue
+
+    known = load_catalogue().effects
+    return None if all(effect.name in known for effect in model.effects.values()) else effects
+
+
 @lru_cache(maxsize=8)
 def _played(path: Path, sha256: str, gauge_length_mm: float) -> Motion:
     return played(path, gauge_length_mm)[0]
@@ -136,7 +144,8 @@ def plan_of(folder: Path, effects: Path | None = None) -> Plan:
     for path, digest in zip((program, *past), (recipe.get("program_sha256"), *digests), strict=True):
         if not path.is_file() or sha256_of(path) != digest:
             raise UserError(f"{path}: missing or not the program that the manifest names")
-    own = _own_effects(folder, recipe.get("effects_sha256"), effects)
+    digest = recipe.get("effects_sha256")
+    own = None if digest is None else named_effects(folder, folder / EFFECTS, effects, digest)
     model = model_from_dict(recipe.get("model"), load_catalogue(own), str(folder / manifest.NAME))
     return Plan(
         program=program,
@@ -149,11 +158,6 @@ def plan_of(folder: Path, effects: Path | None = None) -> Plan:
         rest_s=float(recipe.get("rest_s", DEFAULT_REST_S)),
         effects=own,
     )
-
-
-def _own_effects(folder: Path, digest: str | None, effects: Path | None) -> Path | None:
-    """The file of own effects that the campaign was made with; None if it has none."""
-    return None if digest is None else named_effects(folder, folder / EFFECTS, effects, digest)
 
 
 def programs_before(

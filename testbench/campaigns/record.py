@@ -129,8 +129,8 @@ def check_as_begun(folder: Path, said: Mapping[str, Any], program: str | None = 
         if value != begun.get(name):
             kept = "none" if begun.get(name) is None else begun[name]
             raise UserError(
-                f"{name.replace('_', '-')}: this recording goes on as it began, with {kept}; "
-                f"got {value}: leave it out, or begin a new recording"
+                f"{name}: this recording goes on as it began, with {kept}; got {value}: leave it out, or begin a new "
+                "recording"
             )
 
 

@@ -81,21 +81,23 @@ def add_simulation_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rest-s", type=rest, default=600.0, metavar="T", help="rest after each (default 600)")
 
 
-BOUNDS = {"v_max": "v_max_mm_per_s", "a_max": "a_max_mm_per_s2", "strain_max": "strain_max_percent"}
+BOUNDS = ("v_max_mm_per_s", "a_max_mm_per_s2", "strain_max_percent")
 
 
 def add_bounds(parser: argparse.ArgumentParser) -> None:
     """--v-max, --a-max, --strain-max: what a designed motion keeps."""
-    parser.add_argument("--v-max", type=positive, default=10.0, metavar="MM/S", help="speed limit (default 10)")
-    parser.add_argument(
-        "--a-max", type=positive, default=20.0, metavar="MM/S2", help="acceleration limit (default 20)"
-    )
-    parser.add_argument("--strain-max", type=positive, default=30.0, metavar="%", help="largest strain (default 30)")
+    for option, name, default, unit, words in (
+        ("--v-max", BOUNDS[0], 10.0, "MM/S", "speed limit"),
+        ("--a-max", BOUNDS[1], 20.0, "MM/S2", "acceleration limit"),
+        ("--strain-max", BOUNDS[2], 30.0, "%", "largest strain"),
+    ):
+        told = f"{words} (default {default:g})"
+        parser.add_argument(option, dest=name, type=positive, default=default, metavar=unit, help=told)
 
 
 def bounds_of(args: argparse.Namespace) -> dict[str, float]:
     """What `add_bounds` declared, as the public functions take it; what was not said is left out."""
-    return {field: getattr(args, name) for name, field in BOUNDS.items() if getattr(args, name) is not None}
+    return {name: getattr(args, name) for name in BOUNDS if getattr(args, name) is not None}
 
 
 def positive(text: str) -> float:

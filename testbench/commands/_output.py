@@ -8,12 +8,12 @@ from typing import Any
 
 
 def show(found: Any, place: str | None) -> None:
-    """Print a result as text, and write its JSON where a place is named; ``-`` prints the JSON instead."""
+    """Write the JSON of a result where a place is named, then print it as text; ``-`` prints the JSON instead."""
     from gcode.support.files import write_json
 
-    print(json.dumps(found.to_dict(), indent=2) if place == "-" else found)
     if place and place != "-":
         write_json(place, found.to_dict())
+    print(json.dumps(found.to_dict(), indent=2) if place == "-" else found)
 
 
 def show_notes(found: Any) -> None:

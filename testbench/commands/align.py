@@ -23,17 +23,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     import json
+    from pathlib import Path
 
     from testbench.api.bench.aligning import align
+    from testbench.campaigns.clearing import check_vacant
 
+    if args.out:
+        check_vacant(Path(args.out), args.overwrite, "aligned")
     found = align(args.recording, args.program, gauge_length_mm=args.gauge_length_mm)
-    if args.json:
-        print(json.dumps(found.to_dict()))
-    else:
-        for words in found.words:
-            print(f"{args.recording}: {words}")
     if args.out:
         found.write(args.out, args.overwrite)
-        if not args.json:
-            print(f"{args.out}: the recording on the plan's clock, the planned displacement beside it")
+    if args.json:
+        print(json.dumps(found.to_dict()))
+        return 0
+    for words in found.words:
+        print(f"{args.recording}: {words}")
+    if args.out:
+        print(f"{args.out}: the recording on the plan's clock, the planned displacement beside it")
     return 0

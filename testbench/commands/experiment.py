@@ -27,6 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
+    from gcode.programs.make import places
     from gcode.support.errors import UserError
     from gcode.support.files import check_place
     from testbench.api.experiments.designing import next_experiment
@@ -41,6 +42,8 @@ def run(args: argparse.Namespace) -> int:
         raise UserError(f"experiment: {told}")
     check_place(args.json)
     check_figure(args.plot)
+    if args.output:
+        places(args.output)
     tell = Telling("motion", len(MENU), "imitating on")
     found = next_experiment(
         args.diagnosis or args.models,
@@ -54,11 +57,11 @@ def run(args: argparse.Namespace) -> int:
         progress=tell,
     )
     tell("")
-    show(found, args.json)
     written = found.program.write(args.output) if args.output else []
     if args.plot:
         found.write_picture(args.plot)
         written.append(args.plot)
+    show(found, args.json)
     if args.json != "-":
         for path in written:
             print(f"wrote {path}")

@@ -15,10 +15,9 @@ EXAMPLE = (
     "exit code: 0 one hypothesis is sure, 1 the time is spent, 2 bad input, 130 interrupted (go on with --resume)"
 )
 
-ASKED = {"repeat": "most"}  # another name than the public function's
 # What an investigation keeps as it began.
 LIMITS = {*BOUNDS, "max_force_N", "gauge_length_mm"}
-AS_BEGUN = {"model", "run_minutes", "fresh", "rest_s", *LIMITS, *ASKED, "trials", "seed", "motion"}
+AS_BEGUN = {"model", "run_minutes", "fresh", "rest_s", *LIMITS, "most", "trials", "seed", "motion"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -58,7 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--gauge-length-mm", type=positive, metavar="L", help="default 25")
     parser.add_argument("--trials", type=count, metavar="N", help="motions a design weighs (default 24)")
     parser.add_argument("--seed", type=natural, metavar="N", help="of noise and random motion (default 1)")
-    parser.add_argument("--repeat", type=count, metavar="N", help="effects of a diagnosis (default 2)")
+    parser.add_argument("--repeat", dest="most", type=count, metavar="N", help="effects of a diagnosis (default 2)")
     parser.add_argument(
         "--motion", choices=("designed", "perlin"), help="perlin: random motion, to compare with (default: designed)"
     )
@@ -115,9 +114,8 @@ def _check_resumed(args: argparse.Namespace) -> None:
 
     said = sorted(name for name in AS_BEGUN if getattr(args, name) is not None)
     if args.resume and said:
-        option = said[0].replace("_", "-").lower()
         raise UserError(
-            f"--{option}: an investigation goes on as it began; with --resume leave it out "
+            f"{said[0]}: an investigation goes on as it began; with --resume leave it out "
             "(--budget-minutes and --sure can be said anew)"
         )
 
@@ -125,8 +123,8 @@ def _check_resumed(args: argparse.Namespace) -> None:
 def _asked(args: argparse.Namespace) -> dict[str, Any]:
     """What the words ask for, as the public function takes it; what they leave out it knows itself."""
     said = {name: value for name, value in vars(args).items() if value is not None}
-    names = (AS_BEGUN | {"budget_minutes", "sure"}) & said.keys() - BOUNDS.keys() - {"fresh"}
-    asked = {ASKED.get(name, name): said[name] for name in names}
+    names = (AS_BEGUN | {"budget_minutes", "sure"}) & said.keys() - {*BOUNDS, "fresh"}
+    asked = {name: said[name] for name in names}
     asked["bounds"] = bounds_of(args)
     asked["specimen"] = "fresh" if args.fresh else "aged"
     return asked | {name: getattr(args, name) for name in ("port", "speed", "effects")}

@@ -59,14 +59,13 @@ def run(args: argparse.Namespace) -> int:
     )
     if tell:
         clear_line()
-    show(found, args.json)
-    if not found.is_proposed:
-        if args.json != "-":
-            print("\nno law: no effect, picture or model was written")
-        return 0
-    written = [*found.write(output, picture), *([args.save_model] if args.save_model else [])]
-    if args.save_model:
+    written = [*found.write(output, picture)] if found.is_proposed else []
+    if written and args.save_model:
         found.save(args.save_model)
-    if args.json != "-":
+        written.append(args.save_model)
+    show(found, args.json)
+    if args.json != "-" and written:
         print(f"\nwrote {' and '.join(map(str, written))}\nnext: testbench effects --effects {output} --check")
+    elif args.json != "-":
+        print("\nno law: no effect, picture or model was written")
     return 0

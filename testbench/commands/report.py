@@ -35,11 +35,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from gcode.support.files import check_place
+    from gcode.support.files import check_folder, check_place
     from testbench.api.files.reporting import make_report
     from testbench.comparing.numbers import plain
 
     check_place(args.output)
+    if args.figures is not None:
+        check_folder(args.figures)
     made = make_report(
         args.recording,
         held_out=args.held_out,

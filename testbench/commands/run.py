@@ -14,11 +14,18 @@ EXAMPLE = "testbench run --sensor pes --program program.tap --seed 1 -o pes-1"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_simulation_arguments(parser)
     parser.add_argument("-o", "--output", dest="campaign", required=True, metavar="CAMPAIGN", help="folder to write")
-    parser.add_argument("--divider-ohm", type=positive, metavar="R", help="reference resistor (default 606000)")
+    parser.add_argument(
+        "--divider-ohm",
+        dest="reference_ohm",
+        type=positive,
+        metavar="R",
+        help="reference resistor (default 606000)",
+    )
     parser.add_argument("--rate-hz", type=positive, metavar="F", help="mean sampling rate (default 41.5)")
     parser.add_argument("--rate-sd-hz", type=positive, metavar="S", help="its spread (default 14.2 of 41.5)")
     parser.add_argument(
         "--room-swing-c",
+        dest="swing_C",
         type=positive,
         metavar="T",
         help="room temperature swings by T; adds temperature_C",
@@ -62,9 +69,9 @@ def instruments_of(args: argparse.Namespace):
     from testbench.recordings.instruments import Divider, Instruments, Room, SampleClock
 
     clock = {"rate_hz": args.rate_hz, "rate_sd_hz": args.rate_sd_hz}
-    divider = {"reference_ohm": args.divider_ohm}
+    divider = {"reference_ohm": args.reference_ohm}
     return Instruments(
         clock=SampleClock(**{key: value for key, value in clock.items() if value is not None}),
         divider=Divider(**{key: value for key, value in divider.items() if value is not None}),
-        room=Room(swing_C=args.room_swing_c) if args.room_swing_c else None,
+        room=Room(swing_C=args.swing_C) if args.swing_C else None,
     )

@@ -20,7 +20,7 @@ from gcode.trajectories.protocol import Piece, Protocol
 from gcode.trajectories.trajectory import Limits, TrajectorySpec
 
 RATE_HZ = 20.0
-SHORTEST_EXPERIMENT_S, LONGEST_EXPERIMENT_S = 120.0, 24 * 3600.0
+SHORTEST_EXPERIMENT_S, LONGEST_EXPERIMENT_S = 60.0, 24 * 3600.0
 SHORTEST_STROKE_S = 2 / RATE_HZ  # a stroke of less than two steps cannot be planned
 APPROACHES_S = 12.0  # to the first position of a random motion, and back to zero at the end
 NOISE = "noise"  # the protocol that all others are measured against
@@ -124,11 +124,15 @@ def _in_time(name: str, bounds: Bounds, share: float, seed: int) -> Made | None:
 
 
 def _check(bounds: Bounds) -> None:
-    if not SHORTEST_EXPERIMENT_S <= bounds.duration_s <= LONGEST_EXPERIMENT_S:
-        raise UserError(
-            f"duration_s: an experiment takes {SHORTEST_EXPERIMENT_S:.0f} s to 24 h, got {bounds.duration_s:g} s"
-        )
+    check_duration("duration_s", bounds.duration_s)
     _check_stroke(bounds)
+
+
+def check_duration(name: str, duration_s: float) -> None:
+    """Refuse an experiment that is too short for the designs, or longer than a day; `name` is what it was said by."""
+    if not SHORTEST_EXPERIMENT_S <= duration_s <= LONGEST_EXPERIMENT_S:
+        span = f"{SHORTEST_EXPERIMENT_S / 60:g} min to {LONGEST_EXPERIMENT_S / 3600:g} h"
+        raise UserError(f"{name}: an experiment takes {span}, got {duration_s / 60:g} min")
 
 
 def _check_stroke(bounds: Bounds) -> None:
@@ -137,9 +141,8 @@ def _check_stroke(bounds: Bounds) -> None:
         return
     what = f"{bounds.strain_max_percent:g} % of {bounds.gauge_length_mm:g} mm at up to {bounds.fast_mm_per_s:g} mm/s"
     raise UserError(
-        f"strain_max_percent, v_max_mm_per_s, a_max_mm_per_s2: a stroke ({what}) must take from "
-        f"{SHORTEST_STROKE_S:g} s to half the run ({bounds.duration_s / 2:g} s), not {stroke_s:.3g} s; "
-        "change the strain or the limits"
+        f"a stroke ({what}) must take from {SHORTEST_STROKE_S:g} s to half the run ({bounds.duration_s / 2:g} s), "
+        f"not {stroke_s:.3g} s; change the largest strain, or the limits of speed and acceleration"
     )
 
 

@@ -23,8 +23,10 @@ def rivals_of(files: Mapping[str, ModelFile]) -> tuple[list[Rival], dict[str, fl
     Raises
     ------
     UserError
-        If they were fitted at different gauge lengths or on different channels.
+        If one was never fitted, or they were at different gauge lengths or on different channels.
     """
+    if unfitted := [name for name, file in files.items() if not file.history]:
+        raise UserError(f"{unfitted[0]}: was never fitted, and knows no noise floor; fit it on a recording first")
     (name, first), *others = files.items()
     for path, file in others:
         if abs(file.gauge_length_mm - first.gauge_length_mm) > 1e-3 * first.gauge_length_mm:
@@ -86,8 +88,6 @@ def shared_noise(files: Sequence[ModelFile]) -> dict[str, float]:
 
     Not the noise floor alone: a misfit that all rivals share would drown a smaller difference between them.
     """
-    if not all(file.history for file in files):
-        raise UserError("a model without a history knows no noise floor; fit it on a recording with `testbench fit`")
     floors = [file.history[-1]["noise_floor"] for file in files]
     shared = [channel for channel in floors[0] if all(channel in floor for floor in floors)]
     if not shared:

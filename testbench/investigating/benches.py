@@ -154,7 +154,7 @@ class PortBench:
         if resume:
             job = replace(job_of(order.folder, self.port, self.give_up_s), port=self.port)
         else:
-            vacant(order.folder)
+            vacant(order.folder, origin="")
             gauge_mm = order.gauge_length_mm
             job = Job(self.port, self.baud, order.program, gauge_mm, self.limits, self.specimen, self.give_up_s)
         link = SerialLink(job.port, job.baud, job.give_up_s)

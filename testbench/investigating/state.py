@@ -10,7 +10,7 @@ from pydantic import AfterValidator, Field, model_validator
 
 from gcode.support.errors import UserError
 from gcode.support.files import write_json
-from gcode.support.strict import StrictModel, load, validated
+from gcode.support.strict import NamedModel, StrictModel, load
 from testbench.design.forecast import Likely, Reading
 from testbench.design.limits import bounds_with
 from testbench.design.protocols import Bounds, menu
@@ -19,7 +19,6 @@ from testbench.measurements.responses import UNIT_OF
 from testbench.recordings.stored import GaugeLength, Label, Remark, Sha256, checked_model
 
 NAME = "investigation.json"
-FORMAT = "knitbench-investigation"
 MOST_RUNS = 200
 SURE, SPENT = "sure", "the time is spent"
 
@@ -30,7 +29,7 @@ Rest = Annotated[float, Field(ge=0, le=1e9)]  # s; of an investigation that went
 Seconds = Annotated[float, Field(gt=0, le=2 * 24 * 3600)]
 
 
-class Settings(StrictModel):
+class Settings(NamedModel, StrictModel):
     """What was asked for.
 
     Attributes
@@ -64,14 +63,14 @@ class Settings(StrictModel):
     """
 
     bounds: dict[Label, Positive]
-    budget_s: Positive
+    budget_s: float
     sure: float = Field(0.95, gt=0.5, lt=1)
     specimen: Literal["aged", "fresh"] = "aged"
     motion: Literal["designed", "perlin"] = "designed"
     rest_s: Rest = 30.0
     seed: int = Field(1, ge=0, lt=2**31)
     trials: int = Field(24, ge=1, le=10_000)
-    effects_at_most: int = Field(1, ge=1, le=10)
+    effects_at_most: int = Field(1, ge=1)
     max_force_N: Positive | None = None
     gauge_length_mm: GaugeLength = 25.0
     effects_sha256: Sha256 | None = None
@@ -85,7 +84,7 @@ class Settings(StrictModel):
         if not run_s <= self.budget_s <= MOST_RUNS * run_s:
             few = self.budget_s < run_s
             bound = "are less than one run" if few else f"are more than {MOST_RUNS} runs"
-            raise ValueError(f"budget: {self.budget_s / 60:g} min {bound} of {run_s / 60:g} min")
+            raise ValueError(f"budget_minutes: {self.budget_s / 60:g} min {bound} of {run_s / 60:g} min")
         return self
 
     @property
@@ -248,7 +247,7 @@ def go_on(folder: Path, budget_minutes: float | None = None, sure: float | None 
     state = load_investigation(folder)
     said = {"budget_s": None if budget_minutes is None else 60 * budget_minutes, "sure": sure}
     asked = state.settings.model_dump() | {name: value for name, value in said.items() if value is not None}
-    settings = validated(asked, Settings, "investigate", "set of limits")
+    settings = Settings(**asked)
     if settings != state.settings:
         save_investigation(folder, state.model_copy(update={"settings": settings, "ended": ""}))
 

@@ -1,0 +1,1 @@
+"""The test bench, real or simulated: the lines that it sends, the way they come, and the recorder that keeps them."""

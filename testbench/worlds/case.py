@@ -19,7 +19,7 @@ from testbench.worlds.chain import Form, Hidden, Scene, Usual, run
 from testbench.worlds.coloured_noise import KINDS, quantised, unit_noise
 from testbench.worlds.effects import FORMS, UNKNOWN
 from testbench.worlds.kernels import lowpass
-from testbench.worlds.motions import GAUGE_LENGTH_MM, PROTOCOLS, commanded_strain, sample_times
+from testbench.worlds.motions import GAUGE_LENGTH_MM, PROTOCOLS, sample_times
 
 CATALOGUE = tuple(name for name in FORMS if name not in UNKNOWN)
 OUTSIDE = tuple(sorted(UNKNOWN))
@@ -128,7 +128,7 @@ class Bench:
 
     def _motion(self, part: str, minutes: float, protocol: str) -> tuple[FloatArray, FloatArray, FloatArray]:
         t = sample_times(minutes, self.rate_hz, rng_of(self.seed, part, "clock"))
-        strain = commanded_strain(protocol, t, rng_of(self.seed, part, "motion"))
+        strain = PROTOCOLS[protocol](t, rng_of(self.seed, part, "motion"))
         return t, strain, ambient_K(t, rng_of(self.seed, part, "ambient"))
 
     def scene(self, part: str) -> Scene:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from gcode.support.errors import UserError
-from gcode.support.files import make_folder, write_json, write_text
+from gcode.support.files import check_folder, make_folder, write_json, write_text
 from testbench.recordings.files import write_recording_csv
 from testbench.worlds.case import Case
 
@@ -26,6 +26,14 @@ Then open {name}/sealed/truth.json, and not before.
 """
 
 
+def check_new(folder: str | Path) -> Path:
+    """Refuse a place that no case can be written to, before the work whose result would be lost there."""
+    folder = check_folder(folder)
+    if folder.is_dir() and any(folder.iterdir()):
+        raise UserError(f"{folder}: the folder is not empty; choose another")
+    return folder
+
+
 def write_case(folder: str | Path, case: Case) -> Path:
     """Write `case` to a new folder; nothing outside ``sealed/`` tells what is hidden.
 
@@ -34,9 +42,7 @@ def write_case(folder: str | Path, case: Case) -> Path:
     UserError
         If the folder holds anything already: a case in work must not be replaced unseen.
     """
-    folder = make_folder(folder)
-    if any(folder.iterdir()):
-        raise UserError(f"{folder}: the folder is not empty; choose another")
+    folder = make_folder(check_new(folder))
     recordings, sealed = make_folder(folder / RECORDINGS), make_folder(folder / SEALED)
     write_recording_csv(recordings / "calibration.csv", case.calibration)
     write_recording_csv(recordings / "held_out.csv", case.held_out)

@@ -112,8 +112,3 @@ def sample_times(minutes: float, rate_hz: float, rng: np.random.Generator, jitte
     count = max(int(minutes * 60 * rate_hz), 2)
     steps = np.clip(1 + jitter * rng.standard_normal(count - 1), 0.3, 3) / rate_hz
     return np.concatenate([[0.0], np.round(np.cumsum(steps), 6)])
-
-
-def commanded_strain(protocol: str, t: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Commanded strain at the instants `t` [s]."""
-    return PROTOCOLS[protocol](t, rng)

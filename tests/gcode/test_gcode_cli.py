@@ -12,6 +12,8 @@ import pytest
 
 import gcode
 from gcode.cli import main
+from gcode.programs import make
+from gcode.trajectories import noise_fit
 from gcode.trajectories.trajectory import read_csv
 
 GENERATE = ["generate", "--preset", "paper-1", "--seed", "3", "--gauge-length-mm", "25"]
@@ -49,7 +51,7 @@ def test_play_gives_the_planned_positions_on_time(folder, tmp_path, capsys):
 def test_a_controller_without_acceleration_plays_nothing(folder, tmp_path, capsys):
     """It was as if nothing had been said."""
     assert main(["play", str(folder / "program.tap"), "-o", str(tmp_path / "e.csv"), "--acceleration", "0"]) == 2
-    assert re.search("acceleration_mm_per_s2.*greater than 0", capsys.readouterr().err)
+    assert re.search("error: --acceleration: .*greater than 0", capsys.readouterr().err)
 
 
 def test_check_tells_good_from_bad(folder, capsys):
@@ -103,9 +105,12 @@ def test_fit_finds_a_spec_that_generate_takes(tmp_path, capsys):
         (["--preset", "paper-1", "--seed", "1", "--gauge-length-mm", "0"], "gauge length"),
         (["--preset", "paper-1", "--seed", "1", "--gauge-length-mm", "nan"], "gauge length"),
         (["--preset", "paper-1", "--seed", "1", "--gauge-length-mm", "25", "--x-max", "5"], "travel"),
-        (["--preset", "paper-1", "--seed", "1", "--gauge-length-mm", "25", "--v-max", "-1"], "v_max_mm_per_s"),
-        (["--preset", "paper-1", "--seed", "1", "--gauge-length-mm", "25", "--a-max", "nan"], "a_max_mm_per_s2"),
-        (["--preset", "paper-1", "--seed", "1", "--gauge-length-mm", "25", "--duration-s", "1e9"], "duration_s"),
+        (["--preset", "paper-1", "--seed", "1", "--gauge-length-mm", "25", "--v-max", "-1"], "error: --v-max: "),
+        (["--preset", "paper-1", "--seed", "1", "--gauge-length-mm", "25", "--a-max", "nan"], "error: --a-max: "),
+        (
+            ["--preset", "paper-1", "--seed", "1", "--gauge-length-mm", "25", "--duration-s", "1e9"],
+            "error: --duration-s: ",
+        ),
         (["--preset", "paper-1", "--seed", "1", "--gauge-length-mm", "25", "--a-max", "0.001"], "a max"),
         (["--spec", "absent.toml", "--seed", "1", "--gauge-length-mm", "25"], "absent.toml"),
         (["--again", "absent.tap"], "absent.tap"),
@@ -132,6 +137,34 @@ def test_an_unreadable_program_is_exit_two(content, tmp_path, capsys):
         path.write_bytes(content)
     assert main(["check", str(path), "--v-max", "5", "--a-max", "20", "--x-min", "0", "--x-max", "9"]) == 2
     assert "program.tap" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("accelerations", "most"),
+    [(["--a-mean", "0.2", "--a-sd", "1"], "0.333"), (["--a-mean", "20", "--a-sd", "9"], "12")],
+)
+def test_accelerations_that_no_noise_has_are_refused_before_they_are_sought(accelerations, most, capsys, monkeypatch):
+    """The search took half a minute, and then refused them."""
+    monkeypatch.setattr(noise_fit, "_fit_shape", lambda *_: pytest.fail("it was sought"))
+    assert main(["fit", "--v-mean", "1", "--v-sd", "0.6", *accelerations]) == 2
+    assert f"{most} " in capsys.readouterr().err
+
+
+def test_a_place_that_cannot_be_written_is_told_before_the_work(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(noise_fit, "fit", lambda *_, **__: pytest.fail("it was sought"))
+    monkeypatch.setattr(make, "plan", lambda *_, **__: pytest.fail("it was planned"))
+    (tmp_path / "file").write_text("a file is no folder")
+    (tmp_path / "folder" / "program.tap").mkdir(parents=True)
+    wanted = ["--v-mean", "1", "--v-sd", "1", "--a-mean", "1", "--a-sd", "1"]
+    for words, place in (
+        (GENERATE, "file"),
+        (GENERATE, "file/in-it"),
+        (GENERATE, "folder"),
+        (["fit", *wanted], "folder"),
+        (["fit", *wanted], "no/such/folder.toml"),
+    ):
+        assert main([*words, "-o", str(tmp_path / place)]) == 2
+        assert "cannot write" in capsys.readouterr().err
 
 
 def test_help_does_not_import_numpy():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import gcode
 from gcode.mach4.header import flatten, header_lines, unflatten
 from gcode.support.errors import UserError
 from gcode.trajectories.designed import (
@@ -42,6 +43,34 @@ def planned(protocol, **settings):
 def test_addition_chains_pieces_and_protocols():
     a, b, c = ALL.pieces[:3]
     assert (a + b + c).pieces == (a, b, c) == (a + (b + c)).pieces == (Protocol(pieces=(a,)) + (b + c)).pieces
+
+
+def test_a_sum_chains_pieces_and_protocols_and_nothing_else():
+    a, b, c = ALL.pieces[:3]
+    assert sum([a, b, c]).pieces == (a, b, c) == sum([a, b + c]).pieces == sum([a + b, c]).pieces
+    with pytest.raises(TypeError, match="unsupported operand"):
+        3 + a
+
+
+def test_zero_is_told_as_zero():
+    """It was ``5.88e-19 mm``, and may have been ``-0.000``."""
+    made = gcode.generate(Triangle(low_percent=-10, high_percent=0, speed_mm_per_s=2), seed=2)
+    assert repr(made).endswith("-2.5 to 0 mm>")
+    assert made.statistics.model_copy(update={"x_max_mm": -1e-9}).lines()[0].endswith("-2.500 to 0.000 mm")
+
+
+def test_what_a_jerk_limit_takes_from_a_stroke_is_noted():
+    """It was not: a triangle to 5 mm went to 4.1 mm, and nobody was told."""
+    triangle = Triangle(high_percent=20, speed_mm_per_s=2)
+    assert gcode.generate(triangle, seed=1).notes() == []
+    (note,) = gcode.generate(triangle, seed=1, j_max_mm_per_s3=20).notes()
+    assert note == "5 mm are asked for, of which the jerk limit leaves 4.1 mm"
+
+
+def test_a_jerk_limit_that_is_too_low_is_told_in_the_numbers_that_were_given():
+    """It was told in those that a plan uses of them: 3.8 and 19."""
+    with pytest.raises(UserError, match=r"j max 4 mm/s3 is too low for a max 20 mm/s2 \(at least 8\)"):
+        gcode.generate(Triangle(speed_mm_per_s=1), seed=1, j_max_mm_per_s3=4)
 
 
 def test_a_triangle_reaches_its_strains_at_its_speed():

@@ -44,6 +44,17 @@ def test_an_error_that_nobody_takes_keeps_its_exit_code(tmp_path):
         assert checked(tmp_path, "nothing.tap", stderr=full).returncode == 2
 
 
+@pytest.mark.parametrize(("name", "code"), [("two_triangles.tap", 0), ("refused.tap", 1)])
+def test_a_reader_that_has_gone_changes_no_exit_code(tmp_path, name, code):
+    """A refused program passed: ``gcode check ... | head -1`` was 0 whatever it had found."""
+    (tmp_path / "refused.tap").write_text(program(tmp_path).read_text().replace("M30", "M3"))
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = checked(tmp_path, name, stdout=writer, stderr=subprocess.PIPE, text=True)
+    os.close(writer)
+    assert (done.returncode, done.stderr) == (code, "")
+
+
 def test_an_answer_that_nobody_takes_is_no_answer(tmp_path):
     program(tmp_path)
     with open("/dev/full", "w") as full:

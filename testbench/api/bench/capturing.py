@@ -121,7 +121,7 @@ def record(
     if LARGEST_STRAIN < limits.max_strain < float("inf"):
         raise UserError(f"max_strain must be at most {LARGEST_STRAIN:g}, got {max_strain:g}; 0.3 stands for 30 %")
     baud, give_up_s = whole("baud", baud, 1), number("give_up_s", give_up_s, 0)
-    vacant(folder)
+    vacant(folder, origin="")
     program = existing_file(program, "program; make one with `gcode generate`")
     check_beside(program)
     _, gauge = played(program, gauge_length_mm)

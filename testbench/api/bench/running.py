@@ -18,14 +18,14 @@ from gcode.support.kinds import flag, instance, number, path_of, whole
 from testbench.api.arguments import AnyModel, Effects, catalogue_of, is_preset, model_file_of, model_name, own_file
 from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live
 from testbench.campaigns.clearing import vacant
-from testbench.campaigns.plan import Plan, programs_before
+from testbench.campaigns.plan import Plan, effects_kept, programs_before
 from testbench.recordings.files import check_beside, read_recording
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.recording import Recording
 from testbench.rig.acquisition.recorder import Report, Status
 from testbench.rig.acquisition.stopping import stop_signals
 from testbench.rig.connection.links import real_time as at_the_machines_pace
-from testbench.rig.simulation.past import DEFAULT_REST_S
+from testbench.rig.simulation.past import DEFAULT_REST_S, LONGEST_REST_S
 from testbench.rig.simulation.played import played
 from testbench.rig.simulation.simulated import Motion
 
@@ -254,8 +254,11 @@ def planned(
     own = Path(effects) if isinstance(effects, str | Path) else None
     knit, earlier = model_file_of(model, catalogue_of(effects)).model, earlier_runs(after)
     seed, rest_s = whole("seed:", seed, 0), number("rest_s", rest_s, 0)
+    if rest_s > LONGEST_REST_S:
+        raise UserError(f"rest_s must be at most {LONGEST_REST_S:g} s, got {rest_s:g}")
     tools = Instruments() if instruments is None else instance("instruments", instruments, Instruments)
     with program_file(program) as path:
         motion, gauge = played(path, gauge_length_mm)
         past = programs_before(earlier, knit, gauge, own)
+        own = effects_kept(knit, own)
         yield Plan(path, knit, gauge, seed, model_name(model), tools, past, rest_s, own), motion

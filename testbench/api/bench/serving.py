@@ -67,7 +67,8 @@ def serve_rig(
     ...     print(error)
     faults: must be a share from 0 to 1, got 2
     """
-    number("speed", speed)
+    if not 0 < number("speed", speed) < float("inf"):
+        raise UserError(f"speed: must be a positive number, got {speed:g}")
     if not 0 <= number("faults", faults) <= 1:
         raise UserError(f"faults: must be a share from 0 to 1, got {faults}")
     ready = planned(model, program, seed, gauge_length_mm, None, after, rest_s, own_file(effects))

@@ -11,14 +11,13 @@ from typing import Literal
 
 from gcode.support.errors import UserError
 from gcode.support.files import copy_file, refuse_links, sha256_of, write_json
-from gcode.support.kinds import flag, number, path_of
-from gcode.support.strict import validated
+from gcode.support.kinds import flag, number, path_of, whole
 from testbench.api.arguments import AnyModel, Effects, catalogue_of, model_file_of, model_name
 from testbench.api.experiments.designing import bounds_said
 from testbench.api.experiments.investigation import InvestigationResult
 from testbench.api.progress import Tell, telling
-from testbench.campaigns.plan import EFFECTS
-from testbench.design.protocols import LONGEST_EXPERIMENT_S, SHORTEST_EXPERIMENT_S, Bounds
+from testbench.campaigns.plan import EFFECTS, effects_kept
+from testbench.design.protocols import Bounds, check_duration
 from testbench.investigating import loop
 from testbench.investigating.benches import Bench, PortBench, PtyBench, SimulatedBench
 from testbench.investigating.state import (
@@ -161,15 +160,14 @@ def investigate(
             "rest_s": rest_s,
             "seed": seed,
             "trials": trials,
-            "effects_at_most": most,
+            "effects_at_most": whole("most: effects to find", most, 1),
             "max_force_N": max_force_N,
             "gauge_length_mm": gauge_length_mm,
             "effects_sha256": sha256_of(own_file) if own_file else None,
             "own_effects": _own_effects(catalogue),
         }
-        settings = validated(asked, Settings, "investigate", "set of limits")
         keep = partial(_keep_beside, models={SENSOR: hidden, START: start}, effects=own_file)
-        loop.begin(folder, settings, str(port) if sensor is None else model_name(sensor), keep)
+        loop.begin(folder, Settings(**asked), str(port) if sensor is None else model_name(sensor), keep)
     told = partial(_told, folder, after_run)
     with _forgotten_unless_begun(folder, resume, there), telling(progress) as tell:
         state = load_investigation(folder)
@@ -192,9 +190,7 @@ def _check_as_begun(folder: Path, sensor: AnyModel | None, model: AnyModel | Non
 def _bounds_of_a_run(bounds: Bounds | Mapping[str, float] | None, run_minutes: float) -> dict[str, float]:
     """What was said of the bounds, and the duration, which is said by `run_minutes` alone."""
     said, run_s = bounds_said(bounds), 60 * number("run_minutes", run_minutes)
-    if not SHORTEST_EXPERIMENT_S <= run_s <= LONGEST_EXPERIMENT_S:
-        least, most = SHORTEST_EXPERIMENT_S / 60, LONGEST_EXPERIMENT_S / 60
-        raise UserError(f"run_minutes: a run takes {least:g} to {most:g} minutes, got {run_minutes:g}")
+    check_duration("run_minutes", run_s)
     if said.get("duration_s", run_s) != run_s:
         raise UserError(
             f"bounds: a run takes {run_s:g} s (run_minutes), got a duration_s of {said['duration_s']!r}; say it by "
@@ -268,7 +264,8 @@ def _bench(
         return PortBench(stated_port(port), limits=limits, specimen=state.sensor)
     if not (folder / SENSOR).is_file():
         raise UserError(f"{folder}: was made on a real rig; give its port again to go on")
-    simulated = SimulatedBench(model_file_of(folder / SENSOR, catalogue).model, state.sensor, effects=own)
+    model = model_file_of(folder / SENSOR, catalogue).model
+    simulated = SimulatedBench(model, state.sensor, effects=effects_kept(model, own))
     if speed is None:
         return simulated
     if not 0 < speed <= 1000:

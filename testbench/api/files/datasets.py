@@ -128,6 +128,8 @@ def dataset(
         raise UserError(f"format: must be one of {', '.join(FORMATS)}, got {format!r}")
     if workers != -1 and not 1 <= whole("workers", workers, -1) <= MOST_PROCESSES:
         raise UserError(f"workers: must be 1 to {MOST_PROCESSES}, or -1 for one a core, got {workers}")
+    if scheduler is not None and not (isinstance(scheduler, str) and scheduler):
+        raise UserError(f"scheduler: must be an address such as tcp://10.0.0.5:8786, got {scheduler!r}")
     spec, folder, own = path_of(spec, "TOML file"), path_of(folder, "folder"), own_file(effects)
     wanted = read_spec(spec)
     if is_campaign(folder):

@@ -16,7 +16,7 @@ from testbench.recordings.channels import FORCE, RESISTANCE
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
 from testbench.worlds import make_case
-from testbench.worlds.case_folder import RECORDINGS, SEALED, write_case
+from testbench.worlds.case_folder import RECORDINGS, SEALED, check_new, write_case
 from testbench.worlds.motions import GAUGE_LENGTH_MM
 
 if TYPE_CHECKING:
@@ -139,6 +139,7 @@ def hide(
     """
     if not isinstance(effect, str | None):
         raise UserError(f"effect: must be a name such as 'stress_relaxation', got {effect!r}")
+    check_new(folder)
     case = make_case(
         effect,
         number("strength", strength),

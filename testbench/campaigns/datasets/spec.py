@@ -11,13 +11,13 @@ from pydantic import Field, field_validator, model_validator
 
 from gcode.support.strict import StrictModel, read_toml, validated
 from testbench.recordings.instruments import Instruments
-from testbench.rig.simulation.past import DEFAULT_REST_S
+from testbench.rig.simulation.past import DEFAULT_REST_S, LONGEST_REST_S
 
 MOST_CAMPAIGNS = 1_000_000
 Seed = Annotated[int, Field(ge=0, lt=1 << 63, strict=True)]
 Seeds = Annotated[tuple[Seed, ...], Field(min_length=1, max_length=MOST_CAMPAIGNS)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Rest = Annotated[float, Field(ge=0, le=1e5, allow_inf_nan=False)]
+Rest = Annotated[float, Field(ge=0, le=LONGEST_REST_S, allow_inf_nan=False)]
 Range = tuple[float, float]
 
 

@@ -15,7 +15,7 @@ from gcode.support import strict
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, refuse_links, write_text
 from testbench.campaigns.datasets.spec import MOST_CAMPAIGNS, DatasetSpec, TrajectoryWish
-from testbench.campaigns.plan import Plan
+from testbench.campaigns.plan import Plan, effects_kept
 from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.knit.presets import preset
@@ -71,7 +71,7 @@ def tasks_of(spec: DatasetSpec, base: Path, out: Path, effects: Path | None = No
     own = named_effects(out, base / spec.effects, effects).absolute() if spec.effects else None
     _catalogue(own)  # a file without effects is refused, whether or not a sensor asks for them
     models = {sensor: _model(sensor, base, own) for sensor in spec.sensors}
-    kept = {sensor: own if _is_of_own(model) else None for sensor, model in models.items()}
+    kept = {sensor: effects_kept(model, own) for sensor, model in models.items()}
     programs = _planned(spec, base, out) if spec.trajectory else _found(spec.programs, base)
     for program in programs:
         motion_of(program, spec.gauge_length_mm)
@@ -92,11 +92,6 @@ def tasks_of(spec: DatasetSpec, base: Path, out: Path, effects: Path | None = No
     if len({task.folder for task in made}) < len(made):
         raise UserError("two campaigns would have the same folder; give sensors and programs different file names")
     return made
-
-
-def _is_of_own(model: KnitModel) -> bool:
-    """Whether a model has an effect of somebody's own, whose file each of its campaigns keeps."""
-    return any(effect.name not in _catalogue(None).effects for effect in model.effects.values())
 
 
 def varied(model: KnitModel, ranges: dict[str, tuple[float, float]], seed: int) -> KnitModel:

@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from testbench.rig.protocol.anew import Anew
 from testbench.rig.protocol.items import Bad, Event, Item, Row, channels_of
+from testbench.rig.protocol.restart import Restart
 from testbench.rig.protocol.voices import Voices
 from testbench.rig.protocol.wire import MICROS_WRAP, SEQUENCE_WRAP, BadLine, LineBuffer, Sample, decode, rescue
 
@@ -56,7 +56,7 @@ class Intake:
     accepted, lost : int
         Lines accepted; lines that the sequence numbers prove were sent and never came.
     restarts : int
-        How often the device began anew.
+        How often the device restarted.
     bad : Counter
         Rejected lines by reason.
     host_clock : bool
@@ -82,7 +82,7 @@ class Intake:
     _resumed: bool = False
     _interval_us: float | None = None
     _suspect: tuple[Sample, float] | None = None
-    _anew: Anew = field(default_factory=Anew)
+    _restart: Restart = field(default_factory=Restart)
     _run: tuple[int, int] = (0, 0)  # the last number of a run of lines with old numbers, and its length
 
     def continue_from(self, anchor: Anchor, sequence: int, interval_us: float | None = None) -> None:
@@ -164,7 +164,7 @@ class Intake:
         epoch = self.anchor.epoch if self.anchor else 0
         self.anchor = Anchor(sample.boot, sample.micros, time_us, host_s, epoch)
         self._suspect, self._run, self._resumed, self._away = None, (0, 0), False, False
-        self._anew.forget()
+        self._restart.forget()
         self.accepted += 1
         yield Row(time_us, sample)
 
@@ -175,7 +175,7 @@ class Intake:
         ------
         BadLine
             If it is of a boot that is over, or as `_next` says; unless so many of them agree that the device has
-            begun anew under a boot number that was there before.
+            restarted under a boot number that was there before.
         """
         try:
             if sample.boot == anchor.boot:
@@ -183,7 +183,7 @@ class Intake:
             if sample.boot in self._old_boots:
                 raise BadLine("from before reboot")
         except BadLine:
-            if not (self.host_clock and self._anew.sees(sample, host_s)):
+            if not (self.host_clock and self._restart.sees(sample, host_s)):
                 raise
         event = self._reboot(sample, host_s, anchor)
         return event.time_us, [event]

@@ -13,7 +13,7 @@ import numpy as np
 from testbench.knit.effect import FloatArray
 from testbench.rig.simulation.simulated import SIMULATED_HZ, Motion
 
-DEFAULT_REST_S = 600.0
+DEFAULT_REST_S, LONGEST_REST_S = 600.0, 1e5
 RETURN_MM_PER_S = 1.0
 
 

@@ -48,6 +48,28 @@ def test_a_parameter_of_python_is_told_as_the_option_of_the_command_that_runs(tm
     assert "`rapid_mm_per_s`" in str(gcode.check(tmp_path / "a.tap").problems[0])
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("gcode play a.tap -o b.csv --rapid 0", "--rapid: Input should be greater than 0"),
+        ("gcode check a.tap --v-max 1 --a-max 1 --x-min 2 --x-max 1", "--x-min must be below --x-max, got 2 and 1"),
+        ("gcode check a.tap --v-max 1 --a-max 1 --x-min 0 --x-max 1 --rapid -1", "--rapid: Input should be greater"),
+        ("gcode generate --preset paper-1 --seed 1 --gauge-length-mm 25 --duration-s 0 -o c", "--duration-s: Input"),
+        ("gcode fit --v-mean 0 --v-sd 1 --a-mean 1 --a-sd 1", "--v-mean: Input should be greater than 0"),
+        ("testbench investigate pes -o c --budget-minutes 1", "--budget-minutes: 1 min are less than one run of 3"),
+        ("testbench investigate pes -o c --sure 2", "--sure: Input should be less than 1, got 2.0"),
+        ("testbench ladder model.json", "model.json: no such"),
+    ],
+)
+def test_what_an_error_begins_with_is_told_as_the_option_that_it_is(words, said, tmp_path, monkeypatch, capsys):
+    """It was told by its name in Python, behind that of a class: ``Machine: rapid_mm_per_s``."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.tap").write_text("G21 G90 G94\nG64\nG0 X1\nM30\n")
+    package, *rest = words.split()
+    assert {"gcode": gcode.cli, "testbench": testbench.cli}[package].main(rest) == 2
+    assert capsys.readouterr().err.startswith(f"{package} {rest[0]}: error: {said}")
+
+
 @pytest.mark.parametrize("number", ["0", "-5", "1025", "9" * 20, "2.5", "many"])
 @pytest.mark.parametrize(
     ("cli", "words"), [(testbench.cli, "dataset a.toml -o b"), (compensation.cli, "search a b c -o d")]

@@ -81,7 +81,7 @@ SLIPS = {
     ),
     "a piece that goes nowhere": (
         lambda: gcode.Triangle(high_percent=-20, speed_mm_per_s=1, cycles=3),
-        "Triangle: low_percent must be below high_percent, got 0 and -20",
+        "Triangle: low_percent must be below `high_percent`, got 0 and -20",
     ),
     "a limit as text": (lambda: gcode.Limits(v_max_mm_per_s="fast"), "Limits: v_max_mm_per_s: Input should be"),
     "a length as text, to plan": (
@@ -329,6 +329,22 @@ SLIPS = {
     "a report without a place": (
         lambda: tb.make_report(tb.example(duration_s=20)).write(5),
         "got int, not the path of a report",
+    ),
+    "a rest without an end": (
+        lambda: tb.simulate("pes", gcode.generate("paper-1", seed=1, duration_s=20), rest_s=float("inf")),
+        "rest_s must be at most 100000 s, got inf",
+    ),
+    "a rig that stands still": (
+        lambda: tb.serve_rig("pes", gcode.generate("paper-1", seed=1, duration_s=20), speed=0),
+        "speed: must be a positive number, got 0",
+    ),
+    "rivals that were never fitted": (
+        lambda: tb.next_experiment([tb.baseline(), "pes"]),
+        "model 1: was never fitted, and knows no noise floor; fit it on a recording first",
+    ),
+    "a cluster as a number": (
+        lambda: tb.dataset("a.toml", "knits", scheduler=5),
+        "scheduler: must be an address such as tcp://10.0.0.5:8786, got 5",
     ),
     "a program that was not written": (
         lambda: tb.record("/dev/no-port", gcode.generate("paper-1", seed=1, duration_s=20), "knit"),

@@ -87,7 +87,7 @@ def test_every_design_keeps_the_limits_and_the_time(bounds):
 @pytest.mark.parametrize(
     ("changes", "match"),
     [
-        ({"duration_s": 5}, "an experiment takes"),
+        ({"duration_s": 5}, "duration_s: an experiment takes 1 min to 24 h, got 0.0833333 min"),
         ({"v_max_mm_per_s": -1}, "v_max_mm_per_s: must be a positive"),
         ({"strain_max_percent": 1e-300}, r"a stroke \(1e-300 % of 25 mm .* must take from 0.1 s to half the run"),
         ({"strain_max_percent": 1e300}, "must take from 0.1 s to half the run"),
@@ -109,6 +109,19 @@ def test_a_seed_that_no_trajectory_has_is_told_as_such_and_not_as_a_limit_of_the
 def test_a_picture_in_another_format_is_refused_before_any_work(capsys):
     assert main(["experiment", "one.json", "other.json", "--plot", "next.txt"]) == 2
     assert "next.txt: a figure is written as png, pdf, svg" in capsys.readouterr().err
+
+
+def test_a_folder_that_cannot_be_written_is_refused_before_any_work(tmp_path, capsys):
+    (tmp_path / "file").write_text("no folder")
+    assert main(["experiment", "one.json", "other.json", "-o", str(tmp_path / "file")]) == 2
+    assert "cannot write into the folder" in capsys.readouterr().err
+
+
+def test_a_minute_is_long_enough_for_an_experiment():
+    """It was refused, where the recording of the example lasts as long."""
+    made = drivable(Bounds(duration_s=60), seed=1)
+    assert len(made) > 10
+    assert all(one.trajectory.duration_s <= 60 for one in made.values())
 
 
 def test_the_same_model_twice_is_refused():

@@ -76,7 +76,7 @@ def test_the_result_shows_itself(tmp_path, monkeypatch):
         (["pes", "--port", "/dev/null"], "SENSOR"),
         (["pes", "--sure", "2"], "sure"),
         (["pes", "--budget-minutes", "1"], "less than one run"),
-        (["pes", "--run-minutes", "1"], "error: run_minutes: a run takes 2 to 1440 minutes, got 1"),
+        (["pes", "--run-minutes", "0.5"], "error: --run-minutes: an experiment takes 1 min to 24 h, got 0.5 min"),
         (["pes", "--effects", "absent.py"], "absent.py"),
         (["--resume"], "no investigation"),
         (["--resume", "--trials", "24"], "--trials: an investigation goes on as it began"),
@@ -96,6 +96,14 @@ def test_bad_input_is_one_sentence_and_leaves_nothing(tmp_path, capsys, argv, ma
     assert match in said
     assert "Traceback" not in said
     assert not folder.exists()
+
+
+def test_a_diagnosis_may_look_for_any_number_of_effects(tmp_path, sensor, monkeypatch, capsys):
+    """More than ten were refused, by the name of an entry of the file."""
+    scripted_belief(monkeypatch, 0.99)
+    assert main(["investigate", sensor, "-o", str(tmp_path / "i"), *BRIEF, "--repeat", "99"]) == 0
+    with pytest.raises(tb.UserError, match="most: effects to find must be a whole number, 1 or more, got 0"):
+        tb.investigate("pes", tmp_path / "j", most=0)
 
 
 def test_minutes_and_sureness_can_be_said_anew(tmp_path, sensor, monkeypatch):

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from pydantic import ValidationError
 
 from gcode.support.errors import UserError
 from testbench.campaigns.plan import plan_of
@@ -258,7 +257,7 @@ def test_a_folder_that_is_taken_is_left_alone(tmp_path, one_run):
     ],
 )
 def test_what_no_run_can_be_planned_within_is_refused(changes, match):
-    with pytest.raises(ValidationError, match=match):
+    with pytest.raises(UserError, match=match):
         asked(**changes)
 
 

@@ -9,7 +9,7 @@ from testbench.worlds.base import WORLDS, draw_world
 from testbench.worlds.chain import Hidden, Scene, Usual, run
 from testbench.worlds.effects import FORMS, UNKNOWN
 from testbench.worlds.kernels import lowpass_two_way
-from testbench.worlds.motions import commanded_strain, sample_times
+from testbench.worlds.motions import PROTOCOLS, sample_times
 
 ALL = [form for forms in FORMS.values() for form in forms.values()]
 NAMES = [f"{form.effect}-{form.name}" for form in ALL]
@@ -25,7 +25,7 @@ OWNED = {
 def _usual() -> Usual:
     """Range of the sensor of these tests."""
     t = sample_times(3, 40.0, np.random.default_rng(1))
-    strain = commanded_strain("perlin", t, np.random.default_rng(2))
+    strain = PROTOCOLS["perlin"](t, np.random.default_rng(2))
     scene = Scene(t, strain, np.sin(t / 60), 5.0, Usual(), (3,))
     force, ln_g = run(draw_world("matched", np.random.default_rng(4)), scene)
     return Usual((force.min(), force.max()), (ln_g.min(), ln_g.max()), ln_g.mean())
@@ -33,7 +33,7 @@ def _usual() -> Usual:
 
 def _scene(rate_hz: float = 40.0) -> Scene:
     t = sample_times(3, rate_hz, np.random.default_rng(1))
-    strain = commanded_strain("perlin", t, np.random.default_rng(2))
+    strain = PROTOCOLS["perlin"](t, np.random.default_rng(2))
     return Scene(t, strain, np.sin(t / 60), 5.0, _usual(), (3,))
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from testbench.api.files import hiding
 from testbench.cli import main
 from testbench.commands import hide
 from testbench.recordings.files import read_recording
@@ -34,7 +35,8 @@ def test_the_same_words_write_the_same_bytes(tmp_path: Path):
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
 
 
-def test_a_folder_in_use_is_left_alone(tmp_path: Path, capsys):
+def test_a_folder_in_use_is_left_alone(tmp_path: Path, capsys, monkeypatch):
+    monkeypatch.setattr(hiding, "make_case", lambda *_, **__: pytest.fail("the case was made first"))
     (tmp_path / "mine.txt").write_text("notes")
     assert main([*WORDS, "-o", str(tmp_path)]) == 2
     assert "the folder is not empty; choose another" in capsys.readouterr().err

@@ -1,4 +1,4 @@
-"""Tells a device that began anew under a boot number that was there before from lines that come late or twice."""
+"""Tells a device that restarted, under a boot number that was there before, from lines that come late or twice."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ MOST_PACE = 1.1  # times the host's: a stored buffer that comes again comes quic
 
 
 @dataclass
-class Anew:
+class Restart:
     """Refused lines in a row that agree with each other: the first of them, the last one and how many."""
 
     _first: tuple[Sample, float] | None = None
@@ -24,7 +24,7 @@ class Anew:
         self._first, self._last, self._count, self._device_us = None, None, 0, 0
 
     def sees(self, sample: Sample, host_s: float) -> bool:
-        """Take note of a refused line; whether those in a row are by now a device's that began anew.
+        """Take note of a refused line; whether those in a row are by now a device's that restarted.
 
         They are where number and clock run forward from line to line, no faster than the host's clock.
         """
