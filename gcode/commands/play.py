@@ -5,46 +5,21 @@ from __future__ import annotations
 import argparse
 
 SUMMARY = "play a program as a look-ahead controller would and write the executed position over time"
+OF_THE_CONTROLLER = "the controller's; default: as the header says, else 100"
 EXAMPLE = "gcode play run-1/program.tap -o executed.csv --rate-hz 20"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("program", metavar="PROGRAM", help="a Mach4 or plain RS274/NGC file")
     parser.add_argument("-o", "--output", required=True, metavar="CSV", help="time_s,position_mm")
-    parser.add_argument(
-        "--rate-hz", type=float, default=20.0, metavar="HZ", help="sample rate of the result (default 20)"
-    )
-    parser.add_argument(
-        "--acceleration",
-        dest="acceleration_mm_per_s2",
-        type=float,
-        metavar="MM/S2",
-        help="the controller's; default: as the header says, else 100",
-    )
-    parser.add_argument(
-        "--look-ahead",
-        dest="look_ahead_blocks",
-        type=int,
-        default=20,
-        metavar="BLOCKS",
-        help="default 20, as in Mach4",
-    )
-    parser.add_argument(
-        "--corner-speed",
-        dest="corner_mm_per_s",
-        type=float,
-        default=0.0,
-        metavar="MM/S",
-        help="step at a reversal (default 0: stop)",
-    )
-    parser.add_argument(
-        "--rapid",
-        dest="rapid_mm_per_s",
-        type=float,
-        default=50.0,
-        metavar="MM/S",
-        help="speed of G0 moves (default 50)",
-    )
+    for option, name, kind, default, unit, words in (
+        ("--rate-hz", "rate_hz", float, 20.0, "HZ", "sample rate of the result (default 20)"),
+        ("--acceleration", "acceleration_mm_per_s2", float, None, "MM/S2", OF_THE_CONTROLLER),
+        ("--look-ahead", "look_ahead_blocks", int, 20, "BLOCKS", "default 20, as in Mach4"),
+        ("--corner-speed", "corner_mm_per_s", float, 0.0, "MM/S", "step at a reversal (default 0: stop)"),
+        ("--rapid", "rapid_mm_per_s", float, 50.0, "MM/S", "speed of G0 moves (default 50)"),
+    ):
+        parser.add_argument(option, dest=name, type=kind, default=default, metavar=unit, help=words)
 
 
 def run(args: argparse.Namespace) -> None:

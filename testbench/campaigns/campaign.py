@@ -17,9 +17,10 @@ from testbench.recordings import manifest
 from testbench.recordings.files import write_recording_csv
 from testbench.recordings.manifest import CSV, Campaign, read_manifest, write_manifest
 from testbench.recordings.recording import Recording
+from testbench.recordings.stored import EVENTS
 from testbench.recordings.versions import software_versions
 from testbench.rig.acquisition.recorder import DISK_STATES, Recorder, Report, Status, counts
-from testbench.rig.acquisition.sink import BAD, COMPENSATED, EVENTS, Sink, Syncer
+from testbench.rig.acquisition.sink import BAD, COMPENSATED, Sink, Syncer
 from testbench.rig.connection.parts import Part, in_memory
 from testbench.rig.protocol.items import Item
 from testbench.rig.protocol.stream import Intake

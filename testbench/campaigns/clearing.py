@@ -12,7 +12,8 @@ from gcode.support.files import drafted_folder
 from testbench.campaigns.plan import EFFECTS, PROGRAM
 from testbench.recordings import manifest
 from testbench.recordings.manifest import CSV, origin_of
-from testbench.rig.acquisition.sink import BAD, COMPENSATED, EVENTS, ROOM
+from testbench.recordings.stored import EVENTS
+from testbench.rig.acquisition.sink import BAD, COMPENSATED, ROOM
 
 _ALL_NAMES = "|".join(
     [*map(re.escape, (manifest.NAME, CSV, PROGRAM, EVENTS, BAD, COMPENSATED, EFFECTS)), r"before-\d+\.tap"]

@@ -14,12 +14,13 @@ from gcode.support.files import copy_file, drafted_folder, sha256_of
 from testbench.campaigns.campaign import campaign_files, filled
 from testbench.campaigns.plan import PROGRAM
 from testbench.recordings.manifest import CSV, IN_PROGRESS, NAME, Campaign, read_manifest, write_manifest
+from testbench.recordings.stored import EVENTS
 from testbench.recordings.versions import software_versions
 from testbench.rig.acquisition.ending import EndOfMotion
 from testbench.rig.acquisition.held import held
 from testbench.rig.acquisition.recorder import PROGRESS_S, Follow, Limits, Recorder, Report, Status
 from testbench.rig.acquisition.resume import continued, mend, watched
-from testbench.rig.acquisition.sink import EVENTS, ROOM_BYTES, Sink
+from testbench.rig.acquisition.sink import ROOM_BYTES, Sink
 from testbench.rig.connection.parts import Part
 from testbench.rig.connection.ports import remembered_port, stated_port
 from testbench.rig.connection.serial_port import GIVE_UP_S, host_clock_s

@@ -35,13 +35,12 @@ def fails_elsewhere(history: Steps, found: int) -> str:
         How many effects were put in.
     """
     errors = history[-1]["errors"]
-    times = {c: errors["held_out"][c] / (errors["calibration"][c] or 1e-300) for c in changed(history, found)}
+    times = {c: _times(errors, "held_out", c) for c in changed(history, found)}
     worst = max(times, key=lambda c: times[c])
     if times[worst] < FAILS:
         return ""
     fails = f"held out the error of the {worst} is {times[worst]:.0f} times as large: "
-    again = errors.get("same_specimen", {}).get(worst, float("inf")) / (errors["calibration"][worst] or 1e-300)
-    if again < FAILS:
+    if worst in errors.get("same_specimen", {}) and (again := _times(errors, "same_specimen", worst)) < FAILS:
         return (
             f"{fails}that is for a fresh specimen. For the same one, after a rest of {REST_S:g} s, it is "
             f"{again:.2g} times as large: if it is the same, say how long it rested"
@@ -52,3 +51,8 @@ def fails_elsewhere(history: Steps, found: int) -> str:
     return (
         f"{fails}that recording shows what this one does not. Diagnose it as well, or one that has the motion of both"
     )
+
+
+def _times(errors: Mapping[str, Mapping[str, float]], kind: str, channel: str) -> float:
+    """How many times the calibration error an error of this kind is."""
+    return errors[kind][channel] / (errors["calibration"][channel] or 1e-300)

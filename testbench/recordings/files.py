@@ -20,7 +20,7 @@ from testbench.recordings.checks import check, known_length, row_of_file
 from testbench.recordings.csv_columns import MOST_BYTES, columns_of, listed, read_frame
 from testbench.recordings.doubts import say_once
 from testbench.recordings.recording import Recording
-from testbench.recordings.stored import StoredEvent
+from testbench.recordings.stored import EVENTS, StoredEvent
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -88,13 +88,12 @@ def _load_campaign(folder: Path, gauge_length_mm: float | None) -> Recording:
 
 def _reboots_s(folder: Path) -> list[float]:
     """When the board began anew, as the events of a campaign tell; what cannot be read tells nothing."""
-    found = []
-    for path in folder.glob("*.jsonl"):
-        with suppress(UserError):
-            lines = read_bytes(path, "list of events", MOST_BYTES).decode("utf-8", "replace").splitlines()
-            reboots = [json_of(line, "event", path) for line in lines if '"reboot"' in line]
-            found += [validated(event, StoredEvent, path, "event").time_s for event in reboots]
-    return found
+    path = folder / EVENTS
+    with suppress(UserError):
+        lines = read_bytes(path, "list of events", MOST_BYTES).decode("utf-8", "replace").splitlines()
+        reboots = [json_of(line, "event", path) for line in lines if '"reboot"' in line]
+        return [validated(event, StoredEvent, path, "event").time_s for event in reboots]
+    return []
 
 
 def _say_of_reboot(recording: Recording, when_s: float) -> None:

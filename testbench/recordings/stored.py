@@ -199,8 +199,11 @@ class StoredIndex(StrictModel):
     campaigns: list[IndexEntry]
 
 
+EVENTS = "events.jsonl"  # what happened during a recording, a line each
+
+
 class StoredEvent(ExtraIgnored):
-    """One line of ``events.jsonl``, as far as a recording that goes on must know it."""
+    """One line of `EVENTS`, as far as a recording that goes on must know it."""
 
     event: Label
     channels: Annotated[list[Label], Field(max_length=20)] | None = None

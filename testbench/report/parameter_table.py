@@ -89,7 +89,8 @@ def name_without_unit(key: str) -> str:
 
 def doubts(address: str, fit: Mapping[str, Any]) -> list[str]:
     """Why a value should not be trusted; empty where nothing speaks against it."""
-    found = [told for doubt, told in doubted(fit).items() if doubt == address]
+    told = doubted(fit).get(address)
+    found = [told] if told else []
     others = [_other(address, pair) for pair in fit.get("correlated", ())]
     twins = [parameter_name(other) for other in others if other and "[" not in other]
     if twins:

@@ -23,6 +23,7 @@ Channel = tuple[str, FloatArray, str]  # axis title, values, colour
 LOOPS, LOOP_S, LOOP_SAMPLES, LOOP_POINTS = 6, 30.0, 30, 300
 SWING = 0.2  # of the range: a smaller one is no loop
 COUNTED = {3: "three", 6: "six"}
+WHOLE = "the whole recording"
 BINS = 60
 SPEED_RATE_HZ = 20.0
 
@@ -131,7 +132,7 @@ def hysteresis_loops(recording: Recording, resistance: bool = False) -> style.Fi
 def stretches(time_s: FloatArray, motion: FloatArray, count: int = LOOPS) -> list[slice]:
     """Rows of a few stretches of motion, evenly spread from the first sample to the last; see `_stretch_s`."""
     length_s = _stretch_s(time_s, motion)
-    if time_s[-1] - time_s[0] <= count * length_s:
+    if _takes_all(time_s, count * length_s):
         return [slice(0, len(time_s))]
     begins = np.linspace(time_s[0], time_s[-1] - length_s, count)
     return [window(time_s, float(begin), float(begin) + length_s) for begin in begins]
@@ -146,29 +147,30 @@ def _stretch_s(time_s: FloatArray, motion: FloatArray) -> float:
     return max(LOOP_S, LOOP_SAMPLES * float(time_s[-1] - time_s[0]) / len(time_s), 2 * float(np.median(ways_s)))
 
 
+def _takes_all(time_s: FloatArray, length_s: float) -> bool:
+    return bool(time_s[-1] - time_s[0] <= length_s)
+
+
 def stretches_in_words(time_s: FloatArray, motion: FloatArray, count: int = LOOPS) -> str:
     """What `stretches` shows: ``six half minutes``, ``six stretches of 5.0 min``, or ``the whole recording``."""
-    if len(stretches(time_s, motion, count)) == 1:
-        return "the whole recording"
     length_s = _stretch_s(time_s, motion)
+    if _takes_all(time_s, count * length_s):
+        return WHOLE
     long = "half minutes" if length_s == LOOP_S else f"stretches of {duration_in_words(length_s)}"
     return f"{COUNTED[count]} {long}"
 
 
 def loops_in_words(recording: Recording) -> str:
     """What the `hysteresis_loops` of a recording show, and how their colours tell when."""
-    order = ", the first dark, the last light" if _in_turn(recording) else ""
-    return stretches_in_words(recording.time_s, _motion(recording)) + order
+    shown = stretches_in_words(recording.time_s, _motion(recording))
+    return shown if shown == WHOLE else f"{shown}, the first dark, the last light"
 
 
 def loops_caption(recording: Recording) -> str:
     """What stands under the `hysteresis_loops` of a recording."""
-    drift = ": a shift along the colours is drift" if _in_turn(recording) else ""
-    return f"Loops of {loops_in_words(recording)}{drift}."
-
-
-def _in_turn(recording: Recording) -> bool:
-    return len(stretches(recording.time_s, _motion(recording))) > 1
+    shown = loops_in_words(recording)
+    drift = "" if shown == WHOLE else ": a shift along the colours is drift"
+    return f"Loops of {shown}{drift}."
 
 
 def _motion(recording: Recording) -> FloatArray:

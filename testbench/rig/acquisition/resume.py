@@ -16,10 +16,10 @@ from gcode.support.files import write_bytes
 from gcode.support.strict import check_plain, json_of, read_bytes, validated
 from testbench.recordings.channels import DISPLACEMENT, TIME, UNITS
 from testbench.recordings.manifest import CSV
-from testbench.recordings.stored import StoredEvent
+from testbench.recordings.stored import EVENTS, StoredEvent
 from testbench.rig.acquisition.ending import EndOfMotion
 from testbench.rig.acquisition.forward import running_forward
-from testbench.rig.acquisition.sink import BAD, EVENTS
+from testbench.rig.acquisition.sink import BAD
 from testbench.rig.protocol.file_lines import bad_line
 from testbench.rig.protocol.items import Bad
 from testbench.rig.protocol.stream import Anchor, Intake, LateLine

@@ -20,11 +20,12 @@ from gcode.support import disk
 from gcode.support.errors import UserError
 from testbench.recordings.channels import TIME
 from testbench.recordings.manifest import CSV
+from testbench.recordings.stored import EVENTS
 from testbench.rig.acquisition.appender import Appender
 from testbench.rig.protocol.file_lines import bad_line, csv_line, event_line, header_line
 from testbench.rig.protocol.items import Bad, Item, Lines, Row
 
-BAD, EVENTS = "recording.bad", "events.jsonl"
+BAD = "recording.bad"
 COMPENSATED = "compensated.csv"  # what a compensator made of it while it was recorded
 STAMPS = ("start", "reboot", "clock jump", "renumbered", "resume")  # events that alone tell the device's clock
 ROOM, ROOM_BYTES = ".room", 256 << 10
