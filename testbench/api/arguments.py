@@ -18,11 +18,12 @@ from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
 from testbench.knit.presets import names as preset_names
 from testbench.knit.presets import preset
+from testbench.recordings.between import FRESH, Between
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
 from testbench.recordings.checks import known_length
 from testbench.recordings.columns import numbers
 from testbench.recordings.csv_columns import is_remark, listed
-from testbench.recordings.doubts import check_gap, check_grid, say_if_same, say_sign, say_slow
+from testbench.recordings.doubts import check_distinct, check_gap, check_grid, say_if_same, say_sign, say_slow
 from testbench.recordings.files import SPELLINGS, read_recording, say_of_temperature, strange_names
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import ModelFile, check_same_set_up, load_model_file
@@ -196,8 +197,9 @@ def recordings_for(
     held_out: Source | None,
     gauge_length_mm: float | None,
     clamp_play_mm: float = 0.0,
-) -> tuple[Recording, Recording | None, float]:
-    """Both recordings, of the model's set-up where there is a model, and the play of the clamps between them in mm.
+    rest_s: float | None = None,
+) -> tuple[Recording, Recording | None, Between]:
+    """Both recordings, of the model's set-up where there is a model, and what happened between them.
 
     Parameters
     ----------
@@ -210,20 +212,27 @@ def recordings_for(
         Default: the model's.
     clamp_play_mm : float
         0: as the model was fitted.
+    rest_s : float, optional
+        None: as the model was fitted.
     """
     usual_mm = (file.gauge_length_mm or None) if file else None  # 0: not known
     first = recording_of(recording, gauge_length_mm, usual_mm)
     if file is not None:
         check_same_set_up(file, first, model if isinstance(model, str | Path) else "model")
     second = None if held_out is None else recording_of(held_out, gauge_length_mm, usual_mm)
+    kept = file.between if file is not None and second is not None else FRESH
+    between = Between(clamp_play_mm or kept.clamp_play_mm, kept.rest_s if rest_s is None else rest_s)
     if second is not None:
         # Imported here: they are slow, and a recorder must start at once.
         from testbench.measurements.preparing import MAX_GRID_HZ
         from testbench.measurements.splitting import MIN_PART
 
-        check_grid([second], first, MAX_GRID_HZ, MIN_PART)
-        say_if_same(second, first)
-    return first, second, clamp_play_mm or (file.clamp_play_mm if file and second else 0.0)
+        check_grid([second], first, MAX_GRID_HZ, MIN_PART, between.rest_s or 0.0)
+        if between.rest_s is None:
+            say_if_same(second, first)
+        else:
+            check_distinct([first, second], "what is held out is made after a rest: give another recording")
+    return first, second, between
 
 
 def catalogue_of(effects: Effects) -> Catalogue:

@@ -122,6 +122,16 @@ def count(text: str) -> int:
     return int(text)
 
 
+def add_rest(parser: argparse.ArgumentParser, several: str = "") -> None:
+    """Declare the rest of one specimen before another recording; `several`: what is said of more than one before."""
+    parser.add_argument(
+        "--rest-s",
+        type=positive,
+        metavar="S",
+        help=f"{several}--held-out is of the same specimen, so long after the recording (default: of a fresh one)",
+    )
+
+
 def rest(text: str) -> float:
     """argparse type: seconds, 0 to a day or so."""
     value = _number(text)

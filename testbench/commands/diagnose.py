@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from testbench.api.progress import Telling, clear_line
-from testbench.commands._arguments import add_clamp_play, add_effects, add_held_out, count, rest
+from testbench.commands._arguments import add_clamp_play, add_effects, add_held_out, add_rest, count
 from testbench.commands._output import show
 
 SUMMARY = "say which physical effect the model is missing, with the evidence"
@@ -22,13 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="a CSV, or a campaign folder; several are of one specimen, as they were made in turn",
     )
     add_held_out(parser)
-    parser.add_argument(
-        "--rest-s",
-        type=rest,
-        metavar="S",
-        help="rest between several recordings (default 60); with one, --held-out is of the same specimen, so long "
-        "after it (default: of a fresh one)",
-    )
+    add_rest(parser, "rest between several recordings (default 60); with one, ")
     parser.add_argument("--model", metavar="M", help="diagnose this model.json instead of the baseline")
     add_clamp_play(parser, "--held-out (and for each of several recordings)")
     add_effects(parser)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from testbench.commands._arguments import add_clamp_play, add_effects, add_recording
+from testbench.commands._arguments import add_clamp_play, add_effects, add_recording, add_rest
 from testbench.commands._output import show_notes
 
 SUMMARY = "calibrate the baseline (or a given model) on a recording; write model.json"
@@ -16,6 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_recording(parser)
     parser.add_argument("--model", metavar="M", help="start from this model.json instead of the baseline")
     add_clamp_play(parser)
+    add_rest(parser)
     add_effects(parser)
     parser.add_argument(
         "-o", "--output", default="model.json", metavar="MODEL", help="where to write (default: model.json)"
@@ -34,6 +35,7 @@ def run(args: argparse.Namespace) -> int:
         effects=args.effects,
         gauge_length_mm=args.gauge_length_mm,
         clamp_play_mm=args.clamp_play_mm,
+        rest_s=args.rest_s,
     )
     show_notes(found)
     found.save(args.output)

@@ -14,9 +14,11 @@ from gcode.support.errors import UserError
 from testbench.comparing.clamping import Zero, may_be_clamped_anew, moved, zero_of
 from testbench.comparing.remounting import remounted
 from testbench.knit.model import KnitModel
+from testbench.measurements.joining import last_of
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.preparing import prepare
 from testbench.measurements.splitting import check_play, split
+from testbench.recordings.between import Between
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import ModelFile, same_source
 
@@ -36,12 +38,15 @@ class Judged:
         Where the sensor was clamped anew.
     from_s : float, optional
         Where the last third begins, of a recording that was fitted on before it.
+    doubt : str
+        Why the samples are judged otherwise than when the model was made; empty where they are not.
     """
 
     measurement: Measurement
     elsewhere: bool
     zero: Zero | None = None
     from_s: float | None = None
+    doubt: str = ""
 
     def mounted(self, model: KnitModel) -> KnitModel:
         """The model with what belongs to one recording fitted to this one."""
@@ -55,9 +60,10 @@ class Judged:
                 f"{source}: judged on its last third, from {self.from_s:.0f} s on; the model was fitted on the rest"
             ]
         if self.zero is not None:
-            return [f"{source}: {self.zero}"]
-        told = may_be_clamped_anew(model, self.measurement) if self.elsewhere else ""
-        return [told] if told else []
+            told = f"{source}: {self.zero}"
+        else:
+            told = may_be_clamped_anew(model, self.measurement) if self.elsewhere else ""
+        return [note for note in (self.doubt, told) if note]
 
     def to_dict(self) -> dict[str, Any]:
         """``clamped_anew`` and ``judged_from_s``, where they are known; JSON-ready."""
@@ -65,11 +71,13 @@ class Judged:
         return found if self.from_s is None else {**found, "judged_from_s": self.from_s}
 
 
-def judged(file: ModelFile, recording: Recording, clamp_play_mm: float = 0.0) -> Judged:
+def judged(
+    file: ModelFile, recording: Recording, clamp_play_mm: float = 0.0, before: Recording | None = None
+) -> Judged:
     """The samples of any recording to judge a model on.
 
     That is the last third where the model was fitted on the rest, all of it otherwise. The held-out recording of
-    the model keeps the zero of displacement that its last step found.
+    the model keeps the zero of displacement that its last step found, and the rest before it.
 
     Parameters
     ----------
@@ -78,6 +86,8 @@ def judged(file: ModelFile, recording: Recording, clamp_play_mm: float = 0.0) ->
     clamp_play_mm : float
         The sensor was clamped anew for `recording`: the zero of its displacement is found anew, within so many mm
         (standard deviation).
+    before : Recording, optional
+        What the model was fitted on, if it is at hand: its held-out recording may be of the same specimen.
 
     Raises
     ------
@@ -87,13 +97,26 @@ def judged(file: ModelFile, recording: Recording, clamp_play_mm: float = 0.0) ->
     check_play(recording, clamp_play_mm)
     if same_source(file.fitted_on, recording.source):
         return _of_its_own(file, recording, clamp_play_mm)
-    measurement = prepare(recording)
+    is_held_out = same_source(file.held_out, recording.source)
+    rest_s, doubt = file.between.rest_s if is_held_out else None, ""
+    if rest_s is not None and before is not None:
+        measurement = last_of([before, recording], [rest_s])
+    else:
+        measurement = prepare(recording)
+        doubt = "" if rest_s is None else _taken_for_fresh(file, recording)
+    zero = kept_zero(file) if is_held_out else None
     if clamp_play_mm:
-        return _clamped(measurement, zero_of(file.model, replace(measurement, clamp_play_mm=clamp_play_mm)))
-    kept = kept_zero(file)
-    if kept is not None and same_source(file.held_out, recording.source):
-        return _clamped(measurement, kept)
-    return Judged(measurement, elsewhere=True)
+        zero = zero_of(file.model, replace(measurement, clamp_play_mm=clamp_play_mm))
+    if zero is not None:
+        measurement = moved(measurement, zero.shift_mm)
+    return Judged(measurement, elsewhere=True, zero=zero, doubt=doubt)
+
+
+def _taken_for_fresh(file: ModelFile, recording: Recording) -> str:
+    return (
+        f"{recording.source}: judged as of a fresh specimen; it is of that of {file.fitted_on}, which is not there "
+        "to say what it had gone through"
+    )
 
 
 def _of_its_own(file: ModelFile, recording: Recording, clamp_play_mm: float) -> Judged:
@@ -108,10 +131,6 @@ def _of_its_own(file: ModelFile, recording: Recording, clamp_play_mm: float) -> 
     return Judged(third, elsewhere=True, from_s=float(third.grid_s[np.argmax(third.counts)]))
 
 
-def _clamped(measurement: Measurement, zero: Zero) -> Judged:
-    return Judged(moved(measurement, zero.shift_mm), elsewhere=True, zero=zero)
-
-
 def kept_zero(file: ModelFile) -> Zero | None:
     """The zero of the held-out displacement as the last step of a ladder found it; None: it was not clamped anew."""
     zero = file.history[-1].get("zero") if file.history else None
@@ -120,5 +139,6 @@ def kept_zero(file: ModelFile) -> Zero | None:
 
 def held_samples(file: ModelFile, recording: Recording, held_out: Recording | None) -> Measurement:
     """Held-out samples as the last step of a ladder judged them: of `held_out`, or the last third of `recording`."""
-    held, zero = split(recording, held_out)[1], kept_zero(file)
+    rested = Between(rest_s=file.between.rest_s if held_out else None)
+    held, zero = split(recording, held_out, between=rested)[1], kept_zero(file)
     return moved(held, zero.shift_mm) if zero else held

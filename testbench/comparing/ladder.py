@@ -84,18 +84,21 @@ def _with_fit(file: ModelFile) -> tuple[Mapping[str, Any], ...]:
 def ladder_step(step: str, model: KnitModel, calibration: Measurement, held: Measurement) -> dict[str, Any]:
     """One entry of the history: the model, its errors on both recordings, and the noise floor.
 
-    Where the sensor was clamped anew for the held-out recording, also the `Zero` that was found there.
+    Where the sensor was clamped anew for the held-out recording, also the `Zero` that was found there; where that is
+    of the same specimen, the rest before it.
     """
     sensor = without_zeros(model)
     zero = zero_of(sensor, held) if held.clamp_play_mm else None
     if zero is not None:
         held = moved(held, zero.shift_mm)
+    rested = held.rest_s is not None and not calibration.begins_s
     return {
         "step": step,
         "model": sensor.to_dict(),
         "errors": {"calibration": rms_errors(model, calibration), "held_out": held_errors(sensor, held)},
         "noise_floor": noise_floors(held),
         **({} if zero is None else {"zero": asdict(zero)}),
+        **({"rest_s": held.rest_s} if rested else {}),
     }
 
 

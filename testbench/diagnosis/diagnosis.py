@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from gcode.support.errors import UserError
-from gcode.support.kinds import number
 from testbench.comparing.carried_over import REST_S
 from testbench.comparing.same_specimen import with_same_specimen
 from testbench.diagnosis.conclusion import concluded
@@ -18,10 +17,9 @@ from testbench.knit.model import KnitModel
 from testbench.measurements.joining import joined, last_of
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.splitting import split
+from testbench.recordings.between import Between
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import ModelFile
-
-MOST_REST_S = 86_400.0  # between several recordings of one specimen
 
 
 def diagnose(
@@ -81,17 +79,8 @@ def rest_between(recordings: int, rest_s: float | None) -> float | None:
     """The rest in s before each of so many recordings but the first, and before what is held out; as said, or usual.
 
     None where there is none: what is held out of one recording is of a fresh specimen.
-
-    Raises
-    ------
-    UserError
-        If it is no number, or none that a specimen rests.
     """
-    if rest_s is None:
-        return REST_S if recordings > 1 else None
-    if not 0 < number("rest_s", rest_s) < MOST_REST_S:
-        raise UserError(f"rest_s: must be more than 0 and less than {MOST_REST_S:g} s, got {rest_s:g}")
-    return rest_s
+    return REST_S if rest_s is None and recordings > 1 else rest_s
 
 
 def calibration_and_held_out(
@@ -104,14 +93,13 @@ def calibration_and_held_out(
 
     What is held out comes after several recordings, and after one where the rest before it was given.
     """
-    calibration, held = split(recordings[0], held_out, clamp_play_mm=clamp_play_mm)
-    rest_s = rest_between(len(recordings), rest_s)
-    if rest_s is None:
+    if len(recordings) > 1 and held_out is None:
+        raise UserError("several recordings are one history: give another one to judge on as `held_out`")
+    between = Between(clamp_play_mm, rest_between(len(recordings), rest_s))
+    calibration, held = split(recordings[0], held_out, between=between)
+    if len(recordings) == 1 or between.rest_s is None or held_out is None:
         return calibration, held
-    if held_out is None:
-        why = "several recordings are one history" if len(recordings) > 1 else "a rest comes before another recording"
-        raise UserError(f"{why}: give another one to judge on as `held_out`")
-    rests_s = [rest_s] * len(recordings)
+    rests_s = [between.rest_s] * len(recordings)
     calibration = joined(recordings, rests_s[1:], clamp_play_mm)
     if calibration.channels != held.channels:
         shared, needed = (", ".join(one.channels) or "no channel" for one in (calibration, held))

@@ -12,7 +12,7 @@ from testbench.knit.model import inputs
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.motion import reading_noise
 from testbench.measurements.preparing import prepare
-from testbench.measurements.splitting import check_gauge_length
+from testbench.recordings.doubts import check_same_gauge_length
 from testbench.recordings.recording import Recording
 
 
@@ -40,7 +40,7 @@ def joined(recordings: Sequence[Recording], rests_s: Sequence[float], clamp_play
         If a recording is too short or too still, or taken at another gauge length.
     """
     for one in recordings[1:]:
-        check_gauge_length(one, recordings[0])
+        check_same_gauge_length(one, recordings[0])
     alone = [prepare(one) for one in recordings]
     if len(alone) == 1:
         return alone[0]
@@ -77,7 +77,7 @@ def last_of(recordings: Sequence[Recording], rests_s: Sequence[float], clamp_pla
     """
     whole, last = joined(recordings, rests_s, clamp_play_mm), recordings[-1]
     counts = whole.counts & (whole.signals["time_s"] >= whole.begins_s[-1])
-    return replace(whole, counts=counts, recording=replace(whole.recording, source=last.source))
+    return replace(whole, counts=counts, recording=replace(whole.recording, source=last.source), rest_s=rests_s[-1])
 
 
 def _gap(sampled_s: float, rest_s: float, rate_hz: float) -> int:

@@ -47,6 +47,8 @@ class Measurement:
         elsewhere (standard deviation). 0: it was not.
     begins_s : tuple of float
         Where several recordings stand in a row (`joining.joined`): grid times at which they begin, but the first.
+    rest_s : float, optional
+        Of the last of them alone (`joining.last_of`): the rest of its specimen before it. None: it was fresh.
     """
 
     signals: Mapping[str, FloatArray]
@@ -59,6 +61,7 @@ class Measurement:
     averaged: tuple[float, ...] = (1.0,)
     clamp_play_mm: float = 0.0
     begins_s: tuple[float, ...] = ()
+    rest_s: float | None = None
 
     def __post_init__(self) -> None:
         # Nobody changes a result in place; the arrays of the signals stay as they are: compiled loops take none else.
@@ -74,6 +77,12 @@ class Measurement:
     def grid_s(self) -> FloatArray:
         """Times of the grid points after the recording's first sample, shape (n,)."""
         return self.signals["time_s"] + self.start_s
+
+    @property
+    def begin_s(self) -> float:
+        """Grid time at which the recording begins that holds the first sample that counts."""
+        first_s = self.signals["time_s"][np.argmax(self.counts)]
+        return max((begin_s for begin_s in self.begins_s if begin_s <= first_s), default=0.0)
 
     @property
     def is_read(self) -> np.ndarray:

@@ -7,8 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from gcode.support.errors import UserError
+from testbench.measurements.joining import last_of
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.preparing import MIN_STRAIN_RANGE, prepare
+from testbench.recordings.between import FRESH, Between
+from testbench.recordings.doubts import check_same_gauge_length
 from testbench.recordings.recording import Recording, recorded_duration_s
 
 MOST_PLAY = 0.1  # of the gauge length: more is another set-up
@@ -16,7 +19,7 @@ MIN_PART = 170  # samples that count in each part
 
 
 def split(
-    recording: Recording, held_out: Recording | None = None, held_share: float = 1 / 3, clamp_play_mm: float = 0.0
+    recording: Recording, held_out: Recording | None = None, held_share: float = 1 / 3, between: Between = FRESH
 ) -> tuple[Measurement, Measurement]:
     """Calibration and held-out measurements; without `held_out`, the last third of the recording.
 
@@ -25,35 +28,43 @@ def split(
     recording, held_out : Recording
         Each is measured at its own rate.
     held_share : float
-    clamp_play_mm : float
-        See `Measurement`; of the held-out recording.
+    between : Between
+        The recording and the held-out one.
 
     Raises
     ------
     UserError
         If the two were taken at different gauge lengths or share no channel, or one recording is too short or too
-        still in a part of it; if there is play without a held-out recording, or more than a set-up has.
+        still in a part of it; if there is play or a rest without a held-out recording, or more play than clamps have.
     """
-    check_play(recording, clamp_play_mm)
-    if clamp_play_mm and held_out is None:
-        raise UserError(
-            f"{recording.source}: clamp play is that of a held-out recording, and none was given; "
-            "the last third of one recording was not clamped anew"
-        )
+    check_play(recording, between.clamp_play_mm)
     if held_out is None:
+        _check_nothing_between(recording, between)
         cut_s = _recorded_until(recording, 1 - held_share)
         parts = prepare(recording, (0.0, cut_s)), prepare(recording, (cut_s, np.inf))
         _check_parts(*parts, cut_s)
         # Nothing may be started from, or scaled by, what comes after the last sample that counts.
         return parts[0].at(parts[0].seen), parts[1]
-    check_gauge_length(held_out, recording)
+    check_same_gauge_length(held_out, recording)
     calibration, held = prepare(recording), prepare(held_out)
     if set(calibration.channels) != set(held.channels):
         raise UserError(
             f"{held_out.source}: measured {', '.join(held.channels)}, but {recording.source} measured "
             f"{', '.join(calibration.channels)}; both need the same channels"
         )
-    return calibration, replace(held, clamp_play_mm=clamp_play_mm)
+    if between.rest_s is not None:
+        return calibration, last_of([recording, held_out], [between.rest_s], between.clamp_play_mm)
+    return calibration, replace(held, clamp_play_mm=between.clamp_play_mm)
+
+
+def _check_nothing_between(recording: Recording, between: Between) -> None:
+    if between == FRESH:
+        return
+    what = "clamp play is that" if between.clamp_play_mm else "a rest comes before that"
+    raise UserError(
+        f"{recording.source}: {what} of a held-out recording, and none was given; before the last third of one "
+        "recording the sensor was neither clamped anew nor at rest"
+    )
 
 
 def _recorded_until(recording: Recording, share: float) -> float:
@@ -64,20 +75,6 @@ def _recorded_until(recording: Recording, share: float) -> float:
             break
         until_s += end_s - start_s
     return until_s
-
-
-def check_gauge_length(one: Recording, other: Recording) -> None:
-    """Refuse two recordings that were not taken at the same gauge length.
-
-    Raises
-    ------
-    UserError
-    """
-    if abs(one.gauge_length_mm - other.gauge_length_mm) > 1e-3 * other.gauge_length_mm:
-        raise UserError(
-            f"{one.source}: gauge length {one.gauge_length_mm:g} mm, but {other.source} has "
-            f"{other.gauge_length_mm:g} mm; give recordings of the same set-up"
-        )
 
 
 def check_play(recording: Recording, clamp_play_mm: float) -> None:

@@ -26,6 +26,7 @@ from testbench.proposing.laws.places import PLACES
 from testbench.proposing.laws_found import Proposed, Step, Verdict, numbered
 from testbench.proposing.trial import as_fitted
 from testbench.proposing.writing import effect_class
+from testbench.recordings.between import FRESH
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import ModelFile
 
@@ -68,8 +69,8 @@ def propose_law(
     tell = progress or (lambda text: None)
     catalogue = catalogue or load_catalogue()
     file = model if isinstance(model, ModelFile) else None
-    play_mm = file.clamp_play_mm if file and held_out else 0.0
-    calibration, held = split(recording, held_out, clamp_play_mm=play_mm)
+    between = file.between if file and held_out else FRESH
+    calibration, held = split(recording, held_out, between=between)
     given = file.model if file else model if isinstance(model, KnitModel) else None
     with threadpool_limits(1, "blas"):
         search = Search(calibration, catalogue, tell, given)

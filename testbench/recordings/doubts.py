@@ -92,6 +92,20 @@ def check_grid(
         )
 
 
+def check_same_gauge_length(one: Recording, other: Recording) -> None:
+    """Refuse two recordings that were not taken at the same gauge length.
+
+    Raises
+    ------
+    UserError
+    """
+    if abs(one.gauge_length_mm - other.gauge_length_mm) > 1e-3 * other.gauge_length_mm:
+        raise UserError(
+            f"{one.source}: gauge length {one.gauge_length_mm:g} mm, but {other.source} has "
+            f"{other.gauge_length_mm:g} mm; give recordings of the same set-up"
+        )
+
+
 def same(one: Recording, other: Recording, channels: Collection[str] = ()) -> bool:
     """Whether two recordings hold the same samples, under whatever names: of `channels`, or of all that they have."""
     if not channels and one.channels.keys() != other.channels.keys():

@@ -55,7 +55,7 @@ def overlay_of(
     if free_offset:
         modelled = {label: _shifted(signals, measurement) for label, signals in modelled.items()}
     return Overlay(
-        measurement.grid_s,
+        measurement.grid_s - measurement.begin_s,
         measurement.signals["strain_nominal"],
         dict(measurement.measured),
         modelled,
@@ -65,12 +65,15 @@ def overlay_of(
 
 
 def as_read(both: Overlay, measurement: Measurement) -> Overlay:
-    """The overlay without the grid points in gaps of the recording: what stands there was made up between samples."""
-    begin_s = float(measurement.recording.time_s[0])
-    made_up = np.zeros(len(both.time_s), dtype=bool)
+    """The overlay without the grid points in gaps of the recording: what stands there was made up between samples.
+
+    What the specimen went through before is not shown.
+    """
+    time_s, begin_s = measurement.grid_s, float(measurement.recording.time_s[0])
+    hidden = measurement.signals["time_s"] < measurement.begin_s
     for start_s, end_s in measurement.recording.gaps:
-        made_up |= (both.time_s > start_s - begin_s) & (both.time_s < end_s - begin_s)
-    return both.within(~made_up)
+        hidden |= (time_s > start_s - begin_s) & (time_s < end_s - begin_s)
+    return both.within(~hidden)
 
 
 def _shifted(signals: Mapping[str, np.ndarray], measurement: Measurement) -> dict[str, np.ndarray]:

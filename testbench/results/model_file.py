@@ -18,6 +18,7 @@ from gcode.support.strict import StrictModel, read_json, validated
 from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.measurements.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, UNIT_OF
+from testbench.recordings.between import MOST_REST_S, Between
 from testbench.recordings.channels import FORCE, RESISTANCE
 from testbench.recordings.recording import Recording
 from testbench.recordings.stored import Label, StoredModel, checked_model
@@ -71,6 +72,7 @@ class Step(ExtraKept):
     errors: Errors
     noise_floor: dict[Label, Annotated[float, Field(ge=0)]]
     zero: _Zero | None = None
+    rest_s: Annotated[float, Field(gt=0, lt=MOST_REST_S)] | None = None
     fit: Summary | None = None  # of a step that is not the last
 
     @model_validator(mode="after")
@@ -117,10 +119,11 @@ class ModelFile(Unchanging):
     history: tuple[Mapping[str, Any], ...] = ()
 
     @property
-    def clamp_play_mm(self) -> float:
-        """Play of the clamps between the two recordings; 0 where the sensor was not clamped anew."""
-        zero = self.history[-1].get("zero") if self.history else None
-        return float(zero["play_mm"]) if zero else 0.0
+    def between(self) -> Between:
+        """The recording that it was fitted on and the held-out one, as its last step was judged."""
+        last = self.history[-1] if self.history else {}
+        zero = last.get("zero")
+        return Between(float(zero["play_mm"]) if zero else 0.0, last.get("rest_s"))
 
     def save(self, path: str | Path) -> None:
         """Write atomically."""

@@ -186,7 +186,7 @@ def diagnose(
     rest_s : float, optional
         Rest between several recordings, in which the strain goes from where one ended to where the next begins;
         default 60 s. Where it is given for one recording, `held_out` is of the same specimen, so long after it; by
-        default it is of a fresh one.
+        default it is as the model was fitted, or of a fresh one.
     progress : callable or bool, optional
         See `testbench.api.progress.telling`.
 
@@ -215,12 +215,12 @@ def diagnose(
     sources = list(recording) if isinstance(recording, list | tuple) else [recording]
     if not sources:
         raise UserError("recording: must be one or more, got none")
-    first, held, play_mm = recordings_for(model, given, sources[0], held_out, gauge_length_mm, clamp_play_mm)
+    first, held, between = recordings_for(model, given, sources[0], held_out, gauge_length_mm, clamp_play_mm, rest_s)
     more = [recording_of(one, gauge_length_mm, first.gauge_length_mm) for one in sources[1:]]
-    if (rest := rest_between(len(sources), rest_s)) is not None:
+    if (rest := rest_between(len(sources), between.rest_s)) is not None:
         _check_one_history([first, *more, *([] if held is None else [held])], rest)
     with telling(progress) as tell:
-        found = core.diagnose([first, *more], held, given, catalogue, tell, most, play_mm, rest_s)
+        found = core.diagnose([first, *more], held, given, catalogue, tell, most, between.clamp_play_mm, rest)
     return DiagnosisResult(found)
 
 

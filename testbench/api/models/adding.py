@@ -70,8 +70,8 @@ def add(
         )
     catalogue = catalogue_of(effects)
     file = model_file_of(model, catalogue)
-    first, second, play_mm = recordings_for(model, file, recording, held_out, gauge_length_mm)
-    calibration, held = split(first, second, clamp_play_mm=play_mm)
+    first, second, between = recordings_for(model, file, recording, held_out, gauge_length_mm)
+    calibration, held = split(first, second, between=between)
     with telling(progress) as tell:
         return FitResult(add_effect(file, effect, calibration, held, catalogue, tell), calibration, held)
 

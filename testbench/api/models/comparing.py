@@ -4,12 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gcode.support.errors import UserError
 from gcode.support.figures import picture
 from gcode.support.html import card, table
-from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
+from testbench.api.arguments import (
+    AnyModel,
+    Effects,
+    Source,
+    catalogue_of,
+    model_file_of,
+    recording_of,
+    recordings_for,
+)
 from testbench.comparing import compare as comparing
 from testbench.comparing.compare import Comparison
 from testbench.comparing.judged import Judged, judged
@@ -19,8 +28,10 @@ from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.preparing import prepare
 from testbench.measurements.responses import UNIT_OF
+from testbench.recordings.recording import Recording
 from testbench.report.figures.residual_figures import profile
 from testbench.report.writing.static import draw_on
+from testbench.results.model_file import ModelFile
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -164,7 +175,14 @@ def compare(
     file = model_file_of(model, catalogue_of(effects))
     given, _, _ = recordings_for(model, file, recording, None, gauge_length_mm)
     unknown = isinstance(model, KnitModel) and not clamp_play_mm
-    on = Judged(prepare(given), elsewhere=False) if unknown else judged(file, given, clamp_play_mm)
+    on = Judged(prepare(given), elsewhere=False) if unknown else judged(file, given, clamp_play_mm, _before(file))
     mounted = on.mounted(file.model)
     found = comparing.compare(mounted, on.measurement, free_offset=on.elsewhere)
     return ComparisonResult(found, mounted, on, tuple(on.notes(mounted)))
+
+
+def _before(file: ModelFile) -> Recording | None:
+    """What a model was fitted on, if its held-out recording is of the same specimen and it is still there."""
+    if file.between.rest_s is None or not Path(file.fitted_on).exists():
+        return None
+    return recording_of(file.fitted_on, None, file.gauge_length_mm or None)

@@ -105,6 +105,7 @@ def fit(
     effects: Effects = None,
     gauge_length_mm: float | None = None,
     clamp_play_mm: float = 0.0,
+    rest_s: float | None = None,
     progress: Tell | bool | None = None,
 ) -> FitResult:
     """Calibrate the baseline, or a model of your own, on a recording.
@@ -124,6 +125,9 @@ def fit(
     clamp_play_mm : float
         Where the sensor was clamped anew for `held_out`: by how much, in mm, the zero of its displacement may have
         moved (standard deviation). It is then free there, and so it is in every further step of this model.
+    rest_s : float, optional
+        `held_out` is of the same specimen, so long after `recording`: it is then judged after all that this one went
+        through, in every further step, too. By default it is of a fresh specimen.
     progress : callable or bool, optional
         See `testbench.api.progress.telling`.
 
@@ -145,8 +149,8 @@ def fit(
     """
     catalogue = catalogue_of(effects)
     given = None if model is None else model_file_of(model, catalogue)
-    first, second, play_mm = recordings_for(model, given, recording, held_out, gauge_length_mm, clamp_play_mm)
-    calibration, held = split(first, second, clamp_play_mm=play_mm)
+    first, second, between = recordings_for(model, given, recording, held_out, gauge_length_mm, clamp_play_mm, rest_s)
+    calibration, held = split(first, second, between=between)
     start = starting_baseline(calibration, catalogue) if given is None else given.model
     with telling(progress) as tell:
         file = fitted_file(start, calibration, held, "baseline" if given is None else "given model", progress=tell)

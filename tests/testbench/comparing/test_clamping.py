@@ -17,6 +17,7 @@ from testbench.fitting.fit import Fit, fit
 from testbench.measurements.joining import last_of
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.splitting import split
+from testbench.recordings.between import FRESH, Between
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import load_model_file
 from tests.testbench.builders import NOISE_LN, NOISE_N, record, truth, write_csv
@@ -70,12 +71,12 @@ def test_the_step_of_the_ladder_says_it_and_the_next_step_knows_it(fitted, tmp_p
     file = on_the_ladder(result, None, "baseline", calibration, replace(held, clamp_play_mm=0.5))
     file.save(tmp_path / "model.json")
     again = load_model_file(tmp_path / "model.json")
-    assert again.clamp_play_mm == 0.5
+    assert again.between == Between(clamp_play_mm=0.5)
     assert again.history[-1]["zero"]["shift_mm"] == pytest.approx(SHIFT_MM, abs=0.1)
     assert f"its displacement counts from {-again.history[-1]['zero']['shift_mm']:+.3g} ±" in errors_line(
         again.history[-1]
     )
-    assert on_the_ladder(result, None, "baseline", calibration, held).clamp_play_mm == 0.0
+    assert on_the_ladder(result, None, "baseline", calibration, held).between == FRESH
 
 
 def test_a_zero_that_would_explain_much_is_offered(fitted) -> None:
@@ -88,14 +89,14 @@ def test_a_zero_that_would_explain_much_is_offered(fitted) -> None:
 @pytest.mark.parametrize("play_mm", [-0.1, 5.0, float("nan")])
 def test_a_play_that_no_clamp_has_is_refused(play_mm: float) -> None:
     with pytest.raises(UserError, match=r"must be from 0 to 2\.5 mm"):
-        split(record(truth(), 60), record(truth(), 60, seed=1), clamp_play_mm=play_mm)
+        split(record(truth(), 60), record(truth(), 60, seed=1), between=Between(clamp_play_mm=play_mm))
 
 
 def test_the_last_third_was_not_clamped_anew(tmp_path, capsys) -> None:
     path = write_csv(record(truth(), 60), tmp_path / "a.csv")
     argv = ["fit", path, "--gauge-length-mm", "25", "--clamp-play-mm", "0.5", "-o", str(tmp_path / "m.json")]
     assert main(argv) == 2
-    assert "was not clamped anew" in capsys.readouterr().err
+    assert "the sensor was neither clamped anew" in capsys.readouterr().err
 
 
 def test_only_the_last_of_several_recordings_is_moved() -> None:

@@ -18,6 +18,7 @@ from testbench.comparing.remounting import held_errors
 from testbench.fitting.fit import fit
 from testbench.measurements.preparing import prepare
 from testbench.measurements.splitting import split
+from testbench.recordings.between import Between
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import ModelFile, same_source
 from tests.testbench.builders import CATALOGUE, NOISE_LN, record, truth, write_csv
@@ -44,7 +45,7 @@ def anew() -> Recording:
 
 @pytest.fixture(scope="module")
 def clamped_file(own: Recording, anew: Recording) -> ModelFile:
-    calibration, held = split(own, anew, clamp_play_mm=0.5)
+    calibration, held = split(own, anew, between=Between(clamp_play_mm=0.5))
     return on_the_ladder(fit(truth(), calibration), None, "baseline", calibration, held)
 
 

@@ -19,6 +19,7 @@ from testbench.diagnosis.diagnosis import calibration_and_held_out, rest_between
 from testbench.knit.kinematics.mounting import DisplacementZeros, ForceZeros
 from testbench.knit.mechanics.damage import MullinsSoftening
 from testbench.measurements.joining import joined, last_of
+from testbench.recordings.between import Between
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import ModelFile
 from tests.testbench.builders import CATALOGUE, GAUGE_LENGTH_MM, record, truth, write_csv
@@ -109,11 +110,11 @@ def test_the_rest_between_recordings_is_decided_once():
     assert [rest_between(*asked) for asked in ((1, None), (2, None), (1, 5.0))] == [None, 60.0, 5.0]
     for odd in (0, -1, 86_400, float("nan"), "a"):
         with pytest.raises(UserError, match=r"^rest_s"):
-            rest_between(2, odd)
+            Between(rest_s=odd)
 
 
 def test_a_rest_is_one_before_another_recording():
-    with pytest.raises(UserError, match="a rest comes before another recording: give another one to judge on as"):
+    with pytest.raises(UserError, match="pull 1: a rest comes before that of a held-out recording, and none"):
         tb.diagnose(pulls(1)[0], rest_s=30.0)
 
 
