@@ -62,10 +62,9 @@ class Round(Weighing):
         return self._log_prior_bend(e) + EITHER > self.log_prior(e.mechanism)
 
     def is_all(self, put_in: Entry) -> bool:
-        """Whether what was put in leaves nothing to look for: no more than a law is expected to leave."""
-        misfit, sigma = self.likelihood.misfit, put_in.hypothesis.evidence.sigma
-        is_enough = all(left < 1.001 * misfit[c] for c, left in sigma.items())  # `under` lets none leave less
-        return is_enough and (self.is_named() or put_in is self.bend)
+        """Whether what was put in leaves nothing to look for: no further law could earn what its prior asks."""
+        left = put_in.hypothesis.evidence.sigma
+        return self.likelihood.most_added(left) < self.least_asked and (self.is_named() or put_in is self.bend)
 
     def verdict(self, whole: Whole | None = None) -> Verdict:
         """What is said of the model before this round; `whole`, as in `probabilities`, is for what has a name.

@@ -72,6 +72,12 @@ class Weighing(ModelComparison):
         """
         return constants.EVIDENCE_ERROR**2 / 2
 
+    @property
+    def least_asked(self) -> float:
+        """What a law must add, in nats, to be as probable as that nothing is missing."""
+        asked = np.log(self.prior[NOTHING]) + EITHER - np.log(max(self.prior[m] for m in self.laws))
+        return float(asked) + self.luck
+
     def probabilities(self, whole: Whole | None = None) -> dict[str, float]:
         """Of nothing, of unknown and of each mechanism to be what is missing most; they sum to 1.
 

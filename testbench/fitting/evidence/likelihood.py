@@ -101,6 +101,19 @@ class Likelihood:
         some = either + np.log(-np.expm1(none - either)) - np.log(2 ** len(complete) - 1)
         return float(none - some)
 
+    def most_added(self, sigma: Mapping[str, float]) -> float:
+        """Log evidence, in nats, that a law can add at most to a model that leaves so much: a bound.
+
+        No law is asked to leave less than `misfit`. A coefficient that makes g nats of likelihood pays
+        (1 + ln 2g) / 2 of them at least, however well its prior was chosen (the evidence of one Gaussian weight at
+        its best scale; MacKay, Neural Computation 4 (1992) 415).
+        """
+        best = {c: min(left, self.misfit[c]) for c, left in sigma.items()}
+        made = self.count * sum(float(np.log(left / best[c])) for c, left in sigma.items())
+        paid = 0.5 * (1 + np.log(2 * made)) if made > 0.5 else made
+        likelier = self.log_odds_complete(best, {}) - self.log_odds_complete(sigma, {})
+        return float(made - paid + likelier)
+
     def _log_complete(self, left: float, channel: str, expected: float) -> float:
         """Log density of ln(what is left in a channel) where the model is complete."""
         share = 1 - (self.least_misfit[channel] / expected) ** 2  # of the error that is the law's

@@ -392,3 +392,19 @@ def test_only_what_the_search_may_go_on_from_keeps_its_sensitivities():
     assert [e.hypothesis for e in kept[1:]] == [e.hypothesis.lean for e in others]
     assert whole.lean.probabilities() == whole.probabilities()
     assert whole.lean.verdict() == whole.verdict() == "missing"
+
+
+@pytest.mark.parametrize(("floors", "is_all"), [(1.25, True), (1.27, True), (1.5, False), (4.0, False)])
+def test_the_search_ends_where_no_further_law_could_earn_its_prior(floors: float, is_all: bool) -> None:
+    put_in = entry("stress_relaxation", floors, 500.0)
+    found = a_round(entry("", 20.0, 50.0), put_in)
+    found = replace(found, likelihood=replace(found.likelihood, rows=np.arange(constants.INDEPENDENT)))
+    assert found.is_named()
+    assert found.is_all(put_in) == is_all
+
+
+def test_of_two_as_likely_hypotheses_the_law_has_added_what_its_prior_asks() -> None:
+    found = a_round(entry("", BARE, 50.0), entry("stress_relaxation", 1.3, 100.0))
+    asked = np.exp(found.least_asked - found.luck)
+    chance = found.prior["stress_relaxation"]
+    assert asked * chance == pytest.approx(found.prior[NOTHING] / 2)

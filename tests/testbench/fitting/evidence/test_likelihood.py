@@ -6,8 +6,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from testbench.fitting import constants
+from testbench.fitting.evidence.evidence import NormalEquations, maximised
 from testbench.fitting.evidence.jitter import jitter_of
 from testbench.fitting.evidence.laplace import fitted
 from testbench.fitting.evidence.likelihood import Likelihood, law_error_of
@@ -150,3 +153,25 @@ def test_a_glitch_is_no_noise_of_the_others():
     without = likelihood_of(truth(), prepare(clean), noise)
     # Steps and turns are no glitches: without any, no sample counts less than the noise of its level says.
     assert without.weight["force"].min() > 0.5
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 10_000), st.floats(0.01, 100.0), st.floats(1.0, 4.0))
+def test_no_law_adds_more_than_the_bound(seed: int, size: float, times: float) -> None:
+    """One column beside a residual, whatever its prior and however much of the residual it explains."""
+    rng = np.random.default_rng(seed)
+    count = 120
+    column = rng.standard_normal(count)
+    residual = rng.standard_normal(count) + rng.uniform(0, 2) * column
+    left = float(np.sqrt(np.mean(residual**2)))
+    floor = {"force": left / times / constants.LEAST_MISFIT}
+    likelihood = Likelihood(SimpleNamespace(), np.arange(count), {}, floor, 1.0)  # type: ignore[arg-type]
+
+    def evidence(rows: np.ndarray) -> float:
+        columns, few = len(rows) - 1, np.ones(len(rows) - 1)
+        products, group = {"force": rows @ rows.T}, np.full(columns, -1)
+        normal = NormalEquations(products, count, 1.0, likelihood.misfit, 0 * few, few / size**2, group)
+        return maximised(normal, iterations=30).value
+
+    added = evidence(np.vstack([residual, column])) - evidence(residual[None])
+    assert added <= likelihood.most_added({"force": left}) + 0.01
