@@ -94,6 +94,12 @@ def test_recordings_that_tell_nothing(tmp_path, capsys, command, match):
     assert not out.exists()
 
 
+def test_a_recording_that_is_hardly_too_short_is_not_said_to_be_long_enough(tmp_path, capsys):
+    path = write_csv(record(truth(), 19.99), tmp_path / "run.csv")
+    error = refused(capsys, "fit", path, "--gauge-length-mm", "25", "-o", str(tmp_path / "model.json"))
+    assert "samples in 19.9 s, at least" in error
+
+
 def test_a_constant_channel(tmp_path, capsys):
     source = record(truth(), 120)
     channels = {**source.channels, "resistance_ohm": np.full(len(source), 470.0)}

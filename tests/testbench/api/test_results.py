@@ -37,8 +37,9 @@ def test_a_recording_tells_and_draws_itself():
     assert recording._repr_html_().count("<polyline") == len(recording.channels) == 3
     on = axes(3)
     assert list(recording.plot(on)) == on
-    assert [axis.get_ylabel() for axis in on] == ["strain / %", "force / N", "resistance / ohm"]
+    assert [axis.get_ylabel() for axis in on] == ["strain / %", "force / N", "resistance / kΩ"]
     assert on[1].lines[0].get_ydata().max() == recording["force_N"].max()
+    assert on[2].lines[0].get_ydata().max() == recording["resistance_ohm"].max() / 1000
     assert list(recording.to_frame().columns) == ["time_s", *recording.channels]
     again = json.loads(json.dumps(recording.to_dict()))
     assert again["columns"]["force_N"] == recording["force_N"].tolist()
