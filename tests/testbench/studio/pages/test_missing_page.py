@@ -245,7 +245,8 @@ def with_step(studio: Studio, name: str) -> None:
     """One more step on the ladder of ``sleeve``, as `testbench add` would put it there."""
     path = models.model_path(studio, "sleeve")
     data = json.loads(path.read_text())
-    data["history"].append(data["history"][0] | {"step": f"+ {name}"})
+    below = data["history"].pop()
+    data["history"] += [below | {"fit": data["fit"]}, below | {"step": f"+ {name}"}]
     path.write_text(json.dumps(data))
 
 
