@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import pickle
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -89,6 +90,12 @@ def test_a_fit_has_a_row_for_every_parameter_with_its_error():
     assert [line.get_label() for line in on[0].lines] == ["measured", "modelled"]
     assert "elasticity.stiffness_N" in fit._repr_html_()
     assert fit.errors["held_out"].keys() == {"force", "conductance"}
+
+
+def test_a_copy_of_a_result_and_what_comes_out_of_a_pickle_draws_itself_as_the_result_does():
+    drawn = fitted().plot(axes(2))[0].lines[1].get_ydata()
+    for one in (copy.deepcopy(fitted()), pickle.loads(pickle.dumps(fitted()))):
+        assert np.array_equal(one.plot(axes(2))[0].lines[1].get_ydata(), drawn)
 
 
 def test_a_model_with_an_effect_more_is_another_model():
