@@ -8,9 +8,8 @@ from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
 from testbench.report import sections
 from testbench.report.document import Item, Report, Section
-from testbench.report.inputs import Inputs
 from testbench.report.provenance import moment, provenance
-from testbench.report.story import Story
+from testbench.report.story import Inputs, Story
 
 
 def build_report(given: Inputs) -> Report:

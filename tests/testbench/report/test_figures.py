@@ -20,16 +20,15 @@ from testbench.recordings.recording import Recording
 from testbench.report import overlays, sections, style, words
 from testbench.report.downsample import rows_to_draw, thinned, window
 from testbench.report.figures import (
-    alignment_figures,
     comparison_figures,
     compensator_figures,
     diagnosis_figures,
     experiment_figures,
     ladder_figures,
     live_figures,
+    motion_figures,
     recording_figures,
     residual_figures,
-    trajectory_figures,
 )
 from testbench.report.figures.thumbnail import thumbnail
 from testbench.report.style import Figure
@@ -75,9 +74,9 @@ FIGURES: dict[str, Callable[[], Figure | None]] = {
     "dependence": lambda: diagnosis_figures.dependence(samples.diagnosis()),
     "prediction": lambda: diagnosis_figures.prediction(*residual_and_contribution(), 20.0, 40.0),
     "slope": lambda: diagnosis_figures.slope(*residual_and_contribution()[1:]),
-    "alignment": lambda: alignment_figures.alignment(np.arange(90) / 9, np.ones(90), np.linspace(0, 1, 90), 2.0, 5.0),
+    "alignment": lambda: motion_figures.alignment(np.arange(90) / 9, np.ones(90), np.linspace(0, 1, 90), 2.0, 5.0),
     "experiment": lambda: experiment_figures.of_file(samples.experiment(), np.arange(3.0), np.arange(3.0)),
-    "motion": lambda: trajectory_figures.motion(np.arange(400) / 20, np.sin(np.arange(400) / 20), 2.0, 3.0),
+    "motion": lambda: motion_figures.motion(np.arange(400) / 20, np.sin(np.arange(400) / 20), 2.0, 3.0),
     "live": lambda: live_figures.live(
         [
             live_figures.LiveChannel(
@@ -161,7 +160,7 @@ def prediction_with_a_gap() -> Figure:
 
 def alignment_with_a_gap() -> Figure:
     both = with_a_gap()
-    return alignment_figures.alignment(both.time_s, both.strain, both.strain)
+    return motion_figures.alignment(both.time_s, both.strain, both.strain)
 
 
 @pytest.mark.parametrize(

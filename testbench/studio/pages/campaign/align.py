@@ -11,7 +11,7 @@ from nicegui import ui
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT
 from testbench.recordings.manifest import CSV
-from testbench.report.figures.alignment_figures import alignment
+from testbench.report.figures.motion_figures import alignment
 from testbench.report.words import clocks_in_words
 from testbench.studio.memory import stamp
 from testbench.studio.parts.address import Address, span_of

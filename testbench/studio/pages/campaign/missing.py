@@ -13,7 +13,7 @@ from gcode.support.errors import UserError
 from testbench.comparing.words import spoken
 from testbench.diagnosis.verdict import with_probability
 from testbench.report.figures import diagnosis_figures as figures
-from testbench.report.figures.kohm import contribution_kohm
+from testbench.report.figures.comparison_figures import contribution_kohm
 from testbench.report.words import NOT_REFITTED, base_in_words, error_left, verdict_in_words
 from testbench.results.result_files import read_diagnosis
 from testbench.studio import models
