@@ -130,11 +130,7 @@ def model_colour(index: int, count: int) -> str:
 def overlay(both: Overlay, start_s: float | None = None, end_s: float | None = None) -> style.Figure:
     """Measured and modelled over time with the residual under each, zoom linked in all rows.
 
-    Parameters
-    ----------
-    both : Overlay
-    start_s, end_s : float, optional
-        Draw this stretch only, at full detail for it.
+    From `start_s` to `end_s` only, at full detail for it, where they are given.
     """
     rows = window(both.time_s, start_s, end_s)
     traces: list[dict[str, Any]] = []
