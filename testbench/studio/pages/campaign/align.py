@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 @guarded
 async def page(studio: Studio, c: str = "", start: str = "", end: str = "") -> None:
     """How the clocks of campaign `c` and of its program relate."""
-    campaign_head(c, "/recording")
+    campaign_head(studio, c, "/recording")
     subheading(
         "Plan and recording", "Two clocks took part, the machine's and the rig's: they start apart and run apart."
     )

@@ -49,7 +49,7 @@ SHOWN = 8
 @guarded
 async def page(studio: Studio, c: str = "", pick: str = "", show: str = "", start: str = "", end: str = "") -> None:
     """The diagnosis of campaign `c`; `pick` is the candidate that is looked at, from `start` to `end` in seconds."""
-    campaign_head(c, "/missing", show)
+    campaign_head(studio, c, "/missing", show)
     if not models.has_model(studio, c):
         add_fit_form(studio, c)
         return
