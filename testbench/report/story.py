@@ -11,6 +11,7 @@ from testbench.comparing.judged import held_samples
 from testbench.comparing.remounting import remounted
 from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
 from testbench.measurements.measurement import Measurement
+from testbench.recordings.doubts import say_if_same
 from testbench.recordings.recording import Recording
 from testbench.report import sections, words
 from testbench.report.document import Facts, Item, Picture, Section
@@ -103,6 +104,8 @@ class Story:
             first, other = given.recordings[0], given.held_out
             for recording in (first, *([other] if other else [])):
                 check_same_set_up(file, recording, given.model_name if given.model else "diagnosis")
+            if other:
+                say_if_same(other, first)
             judged = held_samples(file, first, other)
             if given.resistance:
                 steps = steps_in_resistance(file, given.catalogue, judged)

@@ -142,8 +142,17 @@ def test_a_held_out_recording_alone_is_no_report(tmp_path, csv, capsys):
     step = ladder_step("baseline", truth(), measurement, measurement)
     ModelFile(truth(), 25.0, "r", "h", {}, (step,)).save(tmp_path / "model.json")
     words = ["--held-out", csv, "--gauge-length-mm", "25", "-o", str(tmp_path / "r.html")]
-    error = refused(capsys, "report", "--model", str(tmp_path / "model.json"), *words)
-    assert "--held-out is judged beside the recording" in error
+    for beside in (["--model", str(tmp_path / "model.json")], ["--recording", csv]):
+        assert "--held-out is what a model is judged on, beside" in refused(capsys, "report", *beside, *words)
+
+
+def test_a_report_says_that_what_is_held_out_is_what_was_fitted_on(tmp_path, csv, caplog):
+    measurement = prepare(record(truth(), 120, 12.0))
+    step = ladder_step("baseline", truth(), measurement, measurement)
+    ModelFile(truth(), 25.0, "r", "h", {}, (step,)).save(tmp_path / "model.json")
+    words = ["--held-out", csv, "--gauge-length-mm", "25", "-o", str(tmp_path / "r.html")]
+    assert main(["report", "--recording", csv, "--model", str(tmp_path / "model.json"), *words]) == 0
+    assert "holds the same samples as what is fitted on" in caplog.text
 
 
 @pytest.mark.parametrize(

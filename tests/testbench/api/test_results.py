@@ -73,6 +73,7 @@ def test_a_recording_can_be_read_from_a_frame_that_it_gave():
     recording = relaxed()
     again = tb.read(recording.to_frame(), gauge_length_mm=25)
     assert np.array_equal(again["resistance_ohm"], recording["resistance_ohm"])
+    assert repr(tb.read(recording.to_frame().set_index("time_s"), gauge_length_mm=25)) == repr(again)
 
 
 def test_what_a_file_is_called_is_escaped_in_html():
