@@ -114,7 +114,7 @@ def fall_in_words(first: Step, last: Step) -> str:
     if first is last:
         return ""
     falls = [(channel, 1 - last.errors[channel] / error) for channel, error in first.errors.items() if error > 0]
-    return ", ".join(f"{channel} {-100 * fall:+.0f} %" for channel, fall in falls)
+    return ", ".join(f"{channel} {-100 * fall:+z.0f} %" for channel, fall in falls)
 
 
 _SCORE_HEAD = ("Recording", "", "r² raw", "best line", "r² after", "95 %", "Gain")

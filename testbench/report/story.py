@@ -185,7 +185,8 @@ def glance_facts(steps: Sequence[Step]) -> list[tuple[str, str]]:
         pairs.append((f"held-out error of the {channel}", with_unit(error, channel)))
         floor = last.noise_floor.get(channel, 0.0)
         if len(steps) > 1 and steps[0].errors[channel] > 0:
-            pairs.append(("against the first model", f"{100 * (error / steps[0].errors[channel] - 1):+.0f} %"))
+            fall = f"{100 * (error / steps[0].errors[channel] - 1):+z.0f} %"
+            pairs.append((f"the {channel} against the first model", fall))
         elif floor > 0:
-            pairs.append(("over its noise floor", f"{error / floor:.1f} times"))
+            pairs.append((f"the noise floor of the {channel}", f"{error / floor:.1f} times"))
     return pairs

@@ -31,6 +31,7 @@ from testbench.report.figures import (
     residual_figures,
 )
 from testbench.report.figures.thumbnail import thumbnail
+from testbench.report.story import glance_facts
 from testbench.report.style import Figure
 from testbench.report.writing.static import draw, draw_on, write_figure
 
@@ -530,3 +531,14 @@ def test_a_result_is_drawn_on_axes_of_its_own_by_the_figure_of_the_report() -> N
     (axes,) = draw_on(experiment, None)
     assert axes.get_xscale() == "log"
     assert [name.get_text() for name in axes.get_yticklabels()] == ["fast triangle", "long hold"]
+
+
+def test_how_far_an_error_has_fallen_is_told_of_its_channel_and_nothing_is_not_less_than_nothing() -> None:
+    floor = {"force": 0.1, "conductance": 0.1}
+    first = ladder_figures.Step("baseline", {"force": 1.0, "conductance": 1.0}, floor)
+    last = ladder_figures.Step("+ slack", {"force": 0.999, "conductance": 0.5}, floor)
+    assert sections.fall_in_words(first, last) == "force +0 %, conductance -50 %"
+    told = dict(glance_facts([first, last]))
+    assert told["the force against the first model"] == "+0 %"
+    assert told["the conductance against the first model"] == "-50 %"
+    assert dict(glance_facts([first]))["the noise floor of the force"] == "10.0 times"
