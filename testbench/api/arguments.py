@@ -54,7 +54,7 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
     source : path, DataFrame or mapping of str to array, each shape (n,)
         With columns ``time_s``, ``displacement_mm``, ``force_N``, ``resistance_ohm``; force or resistance may be
         missing. Other columns without a single number, such as remarks, are left out. A table of polars or Arrow
-        counts as a data frame.
+        counts as a data frame; the times may be the index of one, if that is called ``time_s``.
     gauge_length_mm : float, optional
         Length of the unstretched sensor between the clamps, in mm; a campaign knows its own.
 
@@ -99,7 +99,8 @@ def _columns_in(source: Any) -> list[tuple[Any, Any]]:
         If it is no table.
     """
     if hasattr(source, "items"):
-        return list(source.items())
+        by_time = getattr(getattr(source, "index", None), "name", None) == TIME and TIME not in source
+        return list((source.reset_index() if by_time else source).items())
     names = getattr(source, "column_names", None) or getattr(source, "columns", None)  # of Arrow; of polars
     if not isinstance(names, list) or not hasattr(source, "__getitem__"):
         raise UserError(f"read: must be a path, a data frame or a mapping of columns, got {type(source).__name__}")

@@ -61,13 +61,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 class Refits(Telling):
-    """Counts the candidates that are put in and refitted; how many there will be is only nearly known beforehand.
-
-    Parameters
-    ----------
-    rounds : int
-        How many rounds are expected.
-    """
+    """Counts the candidates that are refitted in so many rounds; how many there will be is only nearly known."""
 
     def __init__(self, rounds: int) -> None:
         super().__init__("candidate", rounds * CANDIDATES_OF_A_ROUND, "refitting with ")

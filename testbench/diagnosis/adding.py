@@ -38,8 +38,11 @@ def add_effect(
     Raises
     ------
     UserError
-        If nothing that the recording has depends on what the effect changes.
+        If the model has that law already, or nothing that the recording has depends on what the effect changes.
     """
+    law = file.model.place_of(catalogue[name])
+    if law and file.model[law].name == name:
+        raise UserError(f"add {name}: the model has this law already; `testbench fit --model` fits it once more")
     check_shows(catalogue[name](), file.model, calibration)
     effect = framed(catalogue[name](), file.model, calibration)
     start = (

@@ -128,6 +128,15 @@ class Diagnosis(Unchanging):
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready form; the shape is documented in docs/finding-effects.md."""
+        fitted = {
+            "model_before": self.before.model.to_dict(),
+            "model_after": self.after.model.to_dict(),
+            "parameters_after": free_copy(self.after.fit),
+        }
+        return self.findings() | fitted | {"history": free_copy(list(self.after.history))}
+
+    def findings(self) -> dict[str, Any]:
+        """What is said in words: as `to_dict`, without the models; the history is the one that `after` keeps."""
         return {
             "verdict": self.verdict,
             "probabilities": dict(self.probabilities),
@@ -145,8 +154,5 @@ class Diagnosis(Unchanging):
             "error_before": dict(self.error_before),
             "error_after": dict(self.error_after),
             "noise_floor": dict(self.noise_floor),
-            "model_before": self.before.model.to_dict(),
-            "model_after": self.after.model.to_dict(),
-            "parameters_after": free_copy(self.after.fit),
-            "history": free_copy(list(self.after.history)),
+            "history": self.after.history,
         }

@@ -34,7 +34,7 @@ def diagnosis_table(diagnosis: Diagnosis) -> str:
 
 def first_line(diagnosis: Diagnosis) -> str:
     """The verdict on one line."""
-    return "; ".join(verdict_clauses(diagnosis.to_dict()))
+    return "; ".join(verdict_clauses(diagnosis.findings()))
 
 
 def _error_left(gains: tuple[float, float, float] | None) -> str:

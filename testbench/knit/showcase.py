@@ -119,7 +119,7 @@ def draw(cls: type[Effect], path: Path) -> None:
     for axis, x in ((over_time, time), (over_strain, 100 * case.strain)):
         if cls.strength:
             axis.plot(x, case.without, color=GREY, lw=1.0, label="without")
-        axis.plot(x, case.with_it, color=BLUE, lw=1.1, label="with " + cls.name)
+        axis.plot(x, case.with_it, color=BLUE, lw=1.1, label=f"with {cls.name.replace('_', ' ')}")
         axis.spines[["top", "right"]].set_visible(False)
         axis.tick_params(labelsize=8)
     over_time.set_xlabel("time / min" if minutes else "time / s", fontsize=8)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from statistics import harmonic_mean
+from typing import Any
 
 import numpy as np
 
@@ -67,6 +68,10 @@ class Measurement:
         # Nobody changes a result in place; the arrays of the signals stay as they are: compiled loops take none else.
         object.__setattr__(self, "measured", read_only(self.measured))
         object.__setattr__(self, "signals", ReadOnly(self.signals))
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        signals = {name: np.array(values) for name, values in state["signals"].items()}
+        self.__dict__.update(state | {"signals": ReadOnly(signals)})
 
     @property
     def seen(self) -> slice:

@@ -88,7 +88,8 @@ def _check_usable(recording: Recording) -> None:
     source = recording.source
     if len(recording) < MIN_SAMPLES or recording.duration_s < MIN_DURATION_S:
         raise UserError(
-            f"{source}: too short to identify anything: {len(recording)} samples in {recording.duration_s:.1f} s, "
+            f"{source}: too short to identify anything: {len(recording)} samples in "
+            f"{np.floor(10 * recording.duration_s) / 10:g} s, "
             f"at least {MIN_SAMPLES} in {MIN_DURATION_S:.0f} s are needed"
         )
     moved = float(np.ptp(recording.strain))

@@ -10,20 +10,27 @@ import numpy as np
 from gcode.support.arrays import FloatArray
 from gcode.support.figures import outline, panels
 from gcode.support.html import card, strips
-from testbench.recordings.channels import DISPLACEMENT, UNITS
+from testbench.recordings.channels import DISPLACEMENT, RESISTANCE, UNITS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+OHMS = (1e6, "MΩ"), (1e3, "kΩ"), (1.0, "Ω")
 Gaps = Sequence[tuple[float, float]]  # last time before, first time after, in s
 
 
 def titled(channels: Mapping[str, FloatArray], gauge_length_mm: float) -> dict[str, FloatArray]:
-    """What is drawn, under the title of its axis: strain in per cent for the displacement, the rest as measured."""
+    """What is drawn, under the title of its axis: strain in per cent for the displacement, the rest as measured.
+
+    A resistance is in the unit of its size.
+    """
     drawn = {}
     for name, values in channels.items():
         if name == DISPLACEMENT and np.isfinite(gauge_length_mm):
             drawn["strain / %"] = 100 * values / gauge_length_mm
+        elif name == RESISTANCE:
+            size, unit = next((one for one in OHMS if np.median(values) >= one[0]), OHMS[-1])
+            drawn[f"resistance / {unit}"] = values / size
         else:
             unit = UNITS.get(name, "")
             drawn[f"{name.removesuffix(f'_{unit}')} / {unit}" if unit else name] = values

@@ -8,9 +8,8 @@ from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
 from testbench.report import sections
 from testbench.report.document import Item, Report, Section
-from testbench.report.inputs import Inputs
 from testbench.report.provenance import moment, provenance
-from testbench.report.story import Story
+from testbench.report.story import Inputs, Story
 
 
 def build_report(given: Inputs) -> Report:
@@ -24,8 +23,11 @@ def build_report(given: Inputs) -> Report:
     """
     if not (given.recordings or given.model or given.diagnoses or given.compensator):
         raise UserError("nothing to report on; name a recording, a model, a diagnosis or a compensator")
-    if given.held_out and not given.recordings:
-        raise UserError("`held_out` is judged beside the recording that the model was fitted on; name that as well")
+    if given.held_out and not (given.recordings and (given.model or given.diagnoses)):
+        raise UserError(
+            "`held_out` is what a model is judged on, beside the recording that it was fitted on; name that "
+            "recording and the model or a diagnosis, too"
+        )
     opening: list[Item] = []
     parts: list[Section] = []
     verdict = ""

@@ -24,13 +24,7 @@ def respelt(line: str) -> str:
 
 
 def formula_svg(line: str) -> str:
-    """One line as SVG, its letters drawn as outlines; empty where matplotlib cannot read it.
-
-    Parameters
-    ----------
-    line : str
-        Without dollar signs.
-    """
+    """One line without dollar signs as SVG, its letters drawn as outlines; empty where matplotlib cannot read it."""
     from matplotlib import mathtext
     from matplotlib.font_manager import FontProperties
 

@@ -25,12 +25,7 @@ UNIT_TAIL = re.compile(r"_(N|s|S|ohm|mm|C|per_s|per_N|per_C|Hz|N_per_s|ppm)$")
 def parameter_table(fit: Mapping[str, Any], model: KnitModel) -> Table | None:
     """Every number of the model that has a meaning of its own; shape weights are counted, not listed.
 
-    Parameters
-    ----------
-    fit : mapping
-        ``fit`` of a model file: parameters with unit and standard error; at_bound, unidentified, correlated.
-    model : KnitModel
-        Says what each parameter is and how far it may go.
+    `fit` is that of its file; `model` says what each parameter is and how far it may go.
     """
     entries: Mapping[str, Mapping[str, Any]] = fit.get("parameters", {})
     rows = [_row(address, entry, fit, model) for address, entry in entries.items() if "[" not in address]

@@ -52,13 +52,7 @@ def comparison_section(
 ) -> Section:
     """Where the model fails: worst places in words, model over measurement, residual maps.
 
-    Parameters
-    ----------
-    both : Overlay
-        One model in `modelled`; with the resistance instead of ln G where that is to be shown.
-    compared : Comparison
-    maps : mapping of channel to mapping of coordinate to cells
-        Of `testbench.report.overlays.maps_of`.
+    `both` has one model, and the resistance instead of ln G where that is to be shown; `maps` are those of `maps_of`.
     """
     items: list[Item] = [errors_table(both, compared)]
     if compared.worst:
@@ -120,20 +114,14 @@ def fall_in_words(first: Step, last: Step) -> str:
     if first is last:
         return ""
     falls = [(channel, 1 - last.errors[channel] / error) for channel, error in first.errors.items() if error > 0]
-    return ", ".join(f"{channel} {-100 * fall:+.0f} %" for channel, fall in falls)
+    return ", ".join(f"{channel} {-100 * fall:+z.0f} %" for channel, fall in falls)
 
 
 _SCORE_HEAD = ("Recording", "", "r² raw", "best line", "r² after", "95 %", "Gain")
 
 
 def compensator_section(score: Mapping[str, Any]) -> Section:
-    """What the compensator makes of the sensor.
-
-    Parameters
-    ----------
-    score : mapping
-        The JSON of ``compensation score``.
-    """
+    """What the compensator makes of the sensor, from the JSON of ``compensation score``."""
     target, rows = score["compensator"]["target"], score["recordings"]
     names = [short_name(row["source"]) for row in rows]
     symbol = compensator_figures.SYMBOLS[target]
@@ -182,15 +170,9 @@ def short_name(source: str) -> str:
 
 
 def diagnosis_section(diagnosis: Mapping[str, Any], title: str = "What is missing", tail: str = "") -> Section:
-    """What is missing, and the evidence.
+    """What is missing, and the evidence, from the JSON of ``testbench diagnose``.
 
-    Parameters
-    ----------
-    diagnosis : mapping
-        The JSON of ``testbench diagnose``.
-    title : str
-    tail : str
-        Behind the names of its pictures, where a report has several diagnoses.
+    `tail` stands behind the names of its pictures, where a report has several diagnoses.
     """
     items: list[Item] = [words.verdict_in_words(diagnosis)]
     base = words.base_in_words(diagnosis)

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from testbench.comparing.compare import compare
 from testbench.comparing.judged import held_samples
 from testbench.comparing.remounting import remounted
-from testbench.knit.catalogue import Catalogue, model_from_dict
+from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
 from testbench.measurements.measurement import Measurement
+from testbench.recordings.doubts import say_if_same
+from testbench.recordings.recording import Recording
 from testbench.report import sections, words
 from testbench.report.document import Facts, Item, Picture, Section
 from testbench.report.figures import ladder_figures
 from testbench.report.figures.comparison_figures import Overlay, busiest_window
 from testbench.report.figures.ladder_figures import Step
-from testbench.report.inputs import Inputs
 from testbench.report.overlays import (
     maps_of,
     models_of,
@@ -28,6 +29,35 @@ from testbench.report.overlays import (
 from testbench.report.parameter_table import parameter_table
 from testbench.report.words import with_unit
 from testbench.results.model_file import ModelFile, check_same_set_up
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Recordings, model and results; each may be missing, but not all.
+
+    Attributes
+    ----------
+    recordings, held_out, diagnoses, compensator, commands, title, resistance
+        As `testbench.make_report` takes them, and read.
+    model_name : str
+        What an error calls the model: its file.
+    catalogue : Catalogue
+        With the user's own effects.
+    files : tuple of str
+        Where all of these came from, for their checksums.
+    """
+
+    recordings: tuple[Recording, ...] = ()
+    held_out: Recording | None = None
+    model: ModelFile | None = None
+    model_name: str = "model"
+    catalogue: Catalogue = field(default_factory=load_catalogue)
+    diagnoses: tuple[Mapping[str, Any], ...] = ()
+    compensator: Mapping[str, Any] | None = None
+    files: tuple[str, ...] = ()
+    commands: str | None = None
+    title: str = ""
+    resistance: bool = False
 
 
 @dataclass(frozen=True)
@@ -74,6 +104,8 @@ class Story:
             first, other = given.recordings[0], given.held_out
             for recording in (first, *([other] if other else [])):
                 check_same_set_up(file, recording, given.model_name if given.model else "diagnosis")
+            if other:
+                say_if_same(other, first)
             judged = held_samples(file, first, other)
             if given.resistance:
                 steps = steps_in_resistance(file, given.catalogue, judged)
@@ -153,7 +185,8 @@ def glance_facts(steps: Sequence[Step]) -> list[tuple[str, str]]:
         pairs.append((f"held-out error of the {channel}", with_unit(error, channel)))
         floor = last.noise_floor.get(channel, 0.0)
         if len(steps) > 1 and steps[0].errors[channel] > 0:
-            pairs.append(("against the first model", f"{100 * (error / steps[0].errors[channel] - 1):+.0f} %"))
+            fall = f"{100 * (error / steps[0].errors[channel] - 1):+z.0f} %"
+            pairs.append((f"the {channel} against the first model", fall))
         elif floor > 0:
-            pairs.append(("over its noise floor", f"{error / floor:.1f} times"))
+            pairs.append((f"the noise floor of the {channel}", f"{error / floor:.1f} times"))
     return pairs

@@ -152,12 +152,10 @@ def load_model_file(path: str | Path, catalogue: Catalogue | None = None) -> Mod
     data = checked_model(read_json(path, "model"), path)
     model = model_from_dict(data, catalogue or load_catalogue(), str(path))
     try:
-        rest = validated(data, _Rest, path, "model")
+        rest = _beside_the_model(data, path)
     except UserError as error:
         raise UserError(f"{error}; fit it again with `testbench fit`") from None
-    fit = rest.fit.model_dump(mode="json", exclude_unset=True)
-    history = tuple(step.model_dump(mode="json", exclude_unset=True) for step in rest.history)
-    return ModelFile(model, rest.gauge_length_mm, rest.fitted_on, rest.held_out, fit, history)
+    return ModelFile(model, **{"gauge_length_mm": 0.0, **rest, "history": tuple(rest.get("history", ()))})
 
 
 def about_model(path: str | Path) -> Mapping[str, Any]:
@@ -168,9 +166,11 @@ def about_model(path: str | Path) -> Mapping[str, Any]:
     UserError
         As `load_model_file`; only the effects are not made.
     """
-    return validated(checked_model(read_json(path, "model"), path), _Rest, path, "model").model_dump(
-        mode="json", exclude_unset=True
-    )
+    return _beside_the_model(checked_model(read_json(path, "model"), path), path)
+
+
+def _beside_the_model(data: Mapping[str, Any], path: str | Path) -> dict[str, Any]:
+    return validated(data, _Rest, path, "model").model_dump(mode="json", exclude_unset=True)
 
 
 def doubted(fit: Mapping[str, Any]) -> dict[str, str]:

@@ -18,14 +18,7 @@ MOST_NAME_BYTES = 4096
 
 
 class Deleted:
-    """The deleted campaigns of a workspace, below its results.
-
-    Parameters
-    ----------
-    workspace : Workspace
-    notes : Notes
-        Of the campaigns that are there.
-    """
+    """The deleted campaigns of a workspace, below its results; `notes` are those of the campaigns that are there."""
 
     def __init__(self, workspace: Workspace, notes: Notes) -> None:
         self.workspace, self.notes = workspace, notes

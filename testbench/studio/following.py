@@ -18,13 +18,7 @@ BUCKETS = 512
 
 
 class Follower:
-    """Reads what has been appended to a ``recording.csv`` since the last look.
-
-    Parameters
-    ----------
-    path : Path
-        May not exist yet.
-    """
+    """Reads what has been appended to a ``recording.csv`` since the last look; it may not be there yet."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -62,13 +56,7 @@ class Follower:
 
 
 class Envelope:
-    """Lowest and highest value in each of a fixed number of buckets.
-
-    Parameters
-    ----------
-    columns : int
-        Time first, then the channels.
-    """
+    """Lowest and highest value of each of so many columns (time first) in each of a fixed number of buckets."""
 
     def __init__(self, columns: int) -> None:
         self.low = np.full((BUCKETS, columns), np.inf)

@@ -156,7 +156,12 @@ def keep_diagnosis(studio: Studio, c: str, diagnosis: Mapping[str, Any], before:
     """Keep the diagnosis for which the step `led_to` was put on top of the steps `before`, and that it was so."""
     target = step_diagnosis(studio, c, len(before))
     make_folder(target.parent)
-    write_json(target, {**diagnosis, LADDER: {"after": before[-1], "led_to": led_to}})
+    write_json(target, {**diagnosis, LADDER: _rung(before[-1], led_to)})
+
+
+def _rung(after: Mapping[str, Any], led_to: str) -> dict[str, Any]:
+    """Where on a ladder a step was taken; what was told of the fit of the one below stands there from then on."""
+    return {"after": {key: value for key, value in after.items() if key != "fit"}, "led_to": led_to}
 
 
 def kept_diagnoses(studio: Studio, c: str) -> dict[int, Path]:
@@ -166,7 +171,7 @@ def kept_diagnoses(studio: Studio, c: str) -> dict[int, Path]:
     history, found = history_of(studio, c), {}
     for step in range(1, len(history)):
         path = step_diagnosis(studio, c, step)
-        told = {"after": history[step - 1], "led_to": history[step]["step"]}
+        told = _rung(history[step - 1], history[step]["step"])
         if path.is_file() and read_diagnosis(path).get(LADDER) == told:  # it may be of a ladder that is no more
             found[step] = path
     return found

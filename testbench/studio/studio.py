@@ -36,13 +36,7 @@ def campaign_of(key: str) -> str:
 
 
 class Studio:
-    """One workspace and its jobs.
-
-    Parameters
-    ----------
-    root : path
-        Folder of campaigns.
-    """
+    """One workspace, `root`, and its jobs."""
 
     def __init__(self, root: str | Path) -> None:
         self.workspace = Workspace(root)

@@ -67,19 +67,18 @@ class Workspace:
     Parameters
     ----------
     root : path
-        Made if it does not exist.
 
     Raises
     ------
     UserError
-        If `root` is a file.
+        If `root` is no folder.
     """
 
     def __init__(self, root: str | Path) -> None:
         self.root = Path(root).resolve()
-        if self.root.exists() and not self.root.is_dir():
-            raise UserError(f"{root}: the studio works in a folder, and this is a file; give the folder it is in")
-        self.root.mkdir(parents=True, exist_ok=True)
+        if not self.root.is_dir():
+            why = "this is a file; give the folder it is in" if self.root.exists() else "there is none; make it first"
+            raise UserError(f"{root}: the studio works in a folder, and {why}")
         self.kept()
         self._recordings = Memory(KEPT_RECORDINGS)
         self._verdicts = Memory(KEPT_VERDICTS)

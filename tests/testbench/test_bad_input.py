@@ -94,6 +94,12 @@ def test_recordings_that_tell_nothing(tmp_path, capsys, command, match):
     assert not out.exists()
 
 
+def test_a_recording_that_is_hardly_too_short_is_not_said_to_be_long_enough(tmp_path, capsys):
+    path = write_csv(record(truth(), 19.99), tmp_path / "run.csv")
+    error = refused(capsys, "fit", path, "--gauge-length-mm", "25", "-o", str(tmp_path / "model.json"))
+    assert "samples in 19.9 s, at least" in error
+
+
 def test_a_constant_channel(tmp_path, capsys):
     source = record(truth(), 120)
     channels = {**source.channels, "resistance_ohm": np.full(len(source), 470.0)}
@@ -136,8 +142,17 @@ def test_a_held_out_recording_alone_is_no_report(tmp_path, csv, capsys):
     step = ladder_step("baseline", truth(), measurement, measurement)
     ModelFile(truth(), 25.0, "r", "h", {}, (step,)).save(tmp_path / "model.json")
     words = ["--held-out", csv, "--gauge-length-mm", "25", "-o", str(tmp_path / "r.html")]
-    error = refused(capsys, "report", "--model", str(tmp_path / "model.json"), *words)
-    assert "--held-out is judged beside the recording" in error
+    for beside in (["--model", str(tmp_path / "model.json")], ["--recording", csv]):
+        assert "--held-out is what a model is judged on, beside" in refused(capsys, "report", *beside, *words)
+
+
+def test_a_report_says_that_what_is_held_out_is_what_was_fitted_on(tmp_path, csv, caplog):
+    measurement = prepare(record(truth(), 120, 12.0))
+    step = ladder_step("baseline", truth(), measurement, measurement)
+    ModelFile(truth(), 25.0, "r", "h", {}, (step,)).save(tmp_path / "model.json")
+    words = ["--held-out", csv, "--gauge-length-mm", "25", "-o", str(tmp_path / "r.html")]
+    assert main(["report", "--recording", csv, "--model", str(tmp_path / "model.json"), *words]) == 0
+    assert "holds the same samples as what is fitted on" in caplog.text
 
 
 @pytest.mark.parametrize(

@@ -27,8 +27,7 @@ from testbench.knit.effect import FloatArray
 from testbench.measurements.splitting import split
 from testbench.recordings.channels import TEMPERATURE
 from testbench.report.downsample import rows_to_draw
-from testbench.report.figures.experiment_figures import experiment as figure_of
-from testbench.report.figures.experiment_figures import ranking
+from testbench.report.figures.experiment_figures import of_file, ranking
 from testbench.report.writing.static import draw_on, write_figure
 
 if TYPE_CHECKING:
@@ -95,16 +94,13 @@ class NextExperiment:
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the expected log odds of every protocol on `axes` (default: of a new figure); returns them."""
-        return draw_on(ranking(self._evidence()), axes)[0]
-
-    def _evidence(self) -> list[tuple[str, float]]:
-        return [(option.name, option.hardest.log_odds) for option in self.options]
+        return draw_on(ranking([(option.name, option.hardest.log_odds) for option in self.options]), axes)[0]
 
     def write_picture(self, path: str | Path) -> None:
         """Draw the ranking, the best motion and what it would show into a PNG, PDF or SVG."""
         made = self.program.trajectory
         strain = 100 * made.position_mm / self.gauge_length_mm
-        write_figure(figure_of(self._evidence(), made.time_s, strain, self.left()), path)
+        write_figure(of_file(self.to_dict(), made.time_s, strain), path)
 
     def _repr_html_(self) -> str:
         frame = frame_table(self.to_frame())

@@ -15,7 +15,7 @@ from testbench.api.missing.diagnosing import DiagnosisResult, diagnosis_data
 from testbench.recordings.recording import Recording
 from testbench.report.build import build_report
 from testbench.report.document import Report
-from testbench.report.inputs import Inputs
+from testbench.report.story import Inputs
 from testbench.report.writing.write import write_report
 from testbench.results.result_files import read_score
 

@@ -143,7 +143,7 @@ def contribution(
 def _candidate(diagnosis: Mapping[str, Any], law: str, catalogue: Catalogue) -> Effect:
     ranking = diagnosis["ranking"]
     of_name = {entry["effect"]: entry for entry in ranking} | {entry["law"]: entry for entry in ranking}
-    if law not in of_name:
+    if not isinstance(law, str) or law not in of_name:
         laws = ", ".join(entry["law"] for entry in ranking) or "none"
         raise UserError(f"contribution: the diagnosis has no law or effect {law!r}; it ranks {laws}")
     return catalogue[of_name[law]["law"]](**of_name[law]["start"])

@@ -14,8 +14,7 @@ from gcode.support.html import card, frame_table
 from gcode.support.kinds import instance, whole
 from testbench import proposing as core
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
-from testbench.api.models.model_result import ModelResult
-from testbench.api.models.overlay import plot_overlay
+from testbench.api.models.model_result import ModelResult, plot_overlay
 from testbench.api.progress import Tell, telling
 from testbench.proposing.laws.formulas import in_words
 from testbench.proposing.laws_found import Proposed, check_names

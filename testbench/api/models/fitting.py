@@ -10,8 +10,7 @@ from gcode.support.figures import picture
 from gcode.support.html import card, frame_table
 from gcode.support.read_only import free_copy
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
-from testbench.api.models.model_result import ModelResult
-from testbench.api.models.overlay import plot_overlay
+from testbench.api.models.model_result import ModelResult, plot_overlay
 from testbench.api.progress import Tell, telling
 from testbench.comparing.clamping import may_be_clamped_anew
 from testbench.comparing.ladder import fitted_file

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from testbench.api.arguments import WithModel
 from testbench.api.models.ladder import Ladder
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
+from testbench.report.figures.comparison_figures import signals
+from testbench.report.overlays import overlay_of
+from testbench.report.writing.static import draw_on
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 class ModelResult:
@@ -25,3 +34,10 @@ class ModelResult:
     def save(self: WithModel, path: str | Path) -> None:
         """Write the model as ``model.json``."""
         self.file.save(path)
+
+
+def plot_overlay(
+    measurement: Measurement, models: Mapping[str, KnitModel], axes: Axes | Sequence[Axes] | None
+) -> Any:
+    """Measured and modelled over time, one panel a channel; returns the axes, shape (channels,)."""
+    return draw_on(signals(overlay_of(measurement, models).within(measurement.counts)), axes)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,9 @@ from testbench.report import style
 from testbench.report.downsample import liveliest, window
 from testbench.report.figures.recording_figures import at_rows, line, stretches, unbroken
 from testbench.report.words import PANEL_UNITS
+
+if TYPE_CHECKING:
+    from testbench.comparing.contribution import Contribution
 
 LOOPS = 3
 OVERLAY_CAPTION = (
@@ -90,13 +93,33 @@ def resistance_kohm(log_conductance: FloatArray) -> FloatArray:
     return 1e-3 * np.exp(-log_conductance)
 
 
-def instead_of_conductance(signals: Mapping[str, FloatArray], kohm: FloatArray) -> dict[str, FloatArray]:
+def _with_resistance(signals: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    return _instead_of_conductance(signals, resistance_kohm(signals["conductance"]))
+
+
+def _instead_of_conductance(signals: Mapping[str, FloatArray], kohm: FloatArray) -> dict[str, FloatArray]:
     """Signals by channel with a ``resistance`` in place of the ``conductance``."""
     return {**{name: values for name, values in signals.items() if name != "conductance"}, "resistance": kohm}
 
 
-def _with_resistance(signals: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    return instead_of_conductance(signals, resistance_kohm(signals["conductance"]))
+def contribution_kohm(found: Contribution, measured_ln_S: FloatArray) -> Contribution:
+    """What a model leaves and an effect would add, with the resistance in kΩ instead of ln G."""
+    left, added = residuals_kohm(measured_ln_S, found.residual["conductance"], found.added["conductance"])
+    residual = _instead_of_conductance(found.residual, left)
+    return replace(found, residual=residual, added=_instead_of_conductance(found.added, added))
+
+
+def residuals_kohm(
+    measured_ln_S: FloatArray, left_ln_S: FloatArray, added_ln_S: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """What a model leaves, and what an effect would add to it, as resistance in kΩ, all of shape (n,).
+
+    With R = exp(-ln G), a model that is ``left`` too low in ln G has the resistance R exp(left); what it leaves in R
+    is R - R exp(left), and an effect that adds exactly what is left takes exactly that away.
+    """
+    measured_kohm = resistance_kohm(measured_ln_S)
+    modelled_kohm = measured_kohm * np.exp(left_ln_S)
+    return measured_kohm - modelled_kohm, modelled_kohm * np.expm1(-added_ln_S)
 
 
 def model_colour(index: int, count: int) -> str:
@@ -107,11 +130,7 @@ def model_colour(index: int, count: int) -> str:
 def overlay(both: Overlay, start_s: float | None = None, end_s: float | None = None) -> style.Figure:
     """Measured and modelled over time with the residual under each, zoom linked in all rows.
 
-    Parameters
-    ----------
-    both : Overlay
-    start_s, end_s : float, optional
-        Draw this stretch only, at full detail for it.
+    From `start_s` to `end_s` only, at full detail for it, where they are given.
     """
     rows = window(both.time_s, start_s, end_s)
     traces: list[dict[str, Any]] = []

@@ -24,12 +24,7 @@ TITLES = {"force": "Force / N", "displacement": "Displacement / mm"}
 def over_time(row: Mapping[str, Any], target: str) -> style.Figure:
     """Truth, rescaled conductance and prediction: the whole recording, and below it its two ends.
 
-    Parameters
-    ----------
-    row : mapping
-        One entry of the score's ``recordings``.
-    target : str
-        ``force`` or ``displacement``.
+    `row` is one entry of the score's ``recordings``, `target` is ``force`` or ``displacement``.
     """
     windows = [row["trace"], row["zooms"][0], row["zooms"][-1]]
     traces = []

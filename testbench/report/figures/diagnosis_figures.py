@@ -35,12 +35,7 @@ def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
     """What a refit with each effect takes off the error on samples that no fit has seen, best first.
 
     The bar is measured, with its 95 % interval over blocks of up to 60 s; an effect that was not refitted has none.
-    Left of 0, an effect adds to the error.
-
-    Parameters
-    ----------
-    diagnosis : mapping
-        The JSON of ``testbench diagnose``.
+    Left of 0, an effect adds to the error. `diagnosis` is the JSON of ``testbench diagnose``.
     """
     ranking = diagnosis["ranking"][:SHOWN]
     notes = [_untried(place) for place, entry in enumerate(ranking) if not entry.get("held_out_gain")]

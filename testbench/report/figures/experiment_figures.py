@@ -17,45 +17,26 @@ COLOURS = {"force": style.FORCE, "conductance": style.CONDUCTANCE}
 
 
 def of_file(found: Mapping[str, Any], time_s: FloatArray, strain_percent: FloatArray) -> style.Figure:
-    """The figure of a ``testbench experiment --json`` and the motion that it proposes.
-
-    Parameters
-    ----------
-    found : mapping
-        The JSON.
-    time_s, strain_percent : ndarray, shape (n,)
-    """
-    evidence = [(option["protocol"], option["log_odds"]) for option in found["options"]]
-    shown = found["left"].items()
-    left = {channel: (np.array(entry["time_s"]), np.array(entry["over_noise"])) for channel, entry in shown}
-    return experiment(evidence, time_s, strain_percent, left)
-
-
-def experiment(
-    evidence: Sequence[tuple[str, float]],
-    time_s: FloatArray,
-    strain_percent: FloatArray,
-    left: Mapping[str, tuple[FloatArray, FloatArray]],
-) -> style.Figure:
     """Ranking, motion, and what the wrong model leaves.
 
     Parameters
     ----------
-    evidence : sequence of (str, float)
-        Protocols with their expected log odds, the best first.
+    found : mapping
+        The JSON of a ``testbench experiment --json``.
     time_s, strain_percent : ndarray, shape (n,)
         Motion of the best.
-    left : mapping of channel to (time in s, misfit over the noise floor), each shape (m,)
-        What the wrong model cannot imitate of the right one.
     """
     motion = line(time_s, strain_percent, style.STRAIN, "strain", 1)
-    misfits = [line(t, values, COLOURS[channel], channel, 2) for channel, (t, values) in left.items()]
+    misfits = [
+        line(np.array(one["time_s"]), np.array(one["over_noise"]), COLOURS[channel], channel, 2)
+        for channel, one in found["left"].items()
+    ]
     for trace in (motion, *misfits):
         trace["xaxis"] = "x2"
     for trace in misfits:
         trace["showlegend"] = True
     legend = {"orientation": "h", "x": 1, "xanchor": "right", "y": 0.44, "yanchor": "bottom"}
-    ranked = ranking(evidence)
+    ranked = ranking([(option["protocol"], option["log_odds"]) for option in found["options"]])
     names = {**ranked["layout"]["yaxis"], "domain": [0.56, 1.0]}
     axes = {
         "yaxis": names,

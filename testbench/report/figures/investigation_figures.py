@@ -25,13 +25,9 @@ def hypotheses(investigation: Investigation) -> list[str]:
 
 
 def investigation(state: Investigation, motions: Sequence[tuple[FloatArray, FloatArray]] = ()) -> style.Figure:
-    """Belief over the time of motion; below it the strain, where motions are given.
+    """Belief over the time of motion; below it the strain, where the motions of the runs are given, in turn.
 
-    Parameters
-    ----------
-    state : Investigation
-    motions : sequence of (time in s, strain in percent), each shape (n,)
-        Of the runs, in turn.
+    A motion is its time in s and its strain in percent, each shape (n,).
     """
     judged = [run for run in state.runs if run.belief is not None]
     ends_min = np.cumsum([run.seconds for run in judged]) / 60

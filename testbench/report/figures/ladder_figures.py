@@ -56,11 +56,7 @@ class Step:
 def ladder(steps: Sequence[Step], current: int | None = None) -> style.Figure:
     """Held-out error after each step, one panel a channel, with the noise floor below all.
 
-    Parameters
-    ----------
-    steps : sequence of Step
-    current : int, optional
-        The step that is in use; later ones are drawn faint.
+    `current` is the step that is in use; later ones are drawn faint.
     """
     channels = list(steps[0].errors)
     current = len(steps) - 1 if current is None else current
@@ -145,13 +141,7 @@ def _floors(
 def at_a_glance(both: Overlay, steps: Sequence[Step], span_s: tuple[float, float]) -> style.Figure:
     """The picture that says it all: measured against modelled on the left, the error falling on the right.
 
-    Parameters
-    ----------
-    both : Overlay
-        With the first and the last model in `modelled`.
-    steps : sequence of Step
-    span_s : (start_s, end_s)
-        The stretch to show.
+    Of `both`, which holds the first and the last model, the stretch `span_s` (start, end) is shown.
     """
     channels = list(both.measured)
     rows = window(both.time_s, *span_s)

@@ -61,15 +61,9 @@ def _electrical(recording: Recording, resistance: bool) -> Channel:
 def time_series(
     recording: Recording, start_s: float | None = None, end_s: float | None = None, resistance: bool = False
 ) -> style.Figure:
-    """Every channel over time, one row each, zoom linked.
+    """Every channel over time, one row each, zoom linked; with the `resistance` in kΩ instead of the conductance.
 
-    Parameters
-    ----------
-    recording : Recording
-    start_s, end_s : float, optional
-        Draw this stretch only, at full detail for it.
-    resistance : bool
-        Draw the resistance in kΩ instead of the conductance.
+    From `start_s` to `end_s` only, at full detail for it, where they are given.
     """
     rows = window(recording.time_s, start_s, end_s)
     time_s = recording.time_s[rows]

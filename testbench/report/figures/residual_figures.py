@@ -37,14 +37,7 @@ def profiles_caption(channel: str) -> str:
 
 
 def profiles(maps: Mapping[str, Sequence[Cell]], channel: str) -> style.Figure:
-    """Mean residual over each coordinate with two standard errors, stretching and releasing apart.
-
-    Parameters
-    ----------
-    maps : mapping of coordinate to sequence of Cell
-    channel : str
-        ``force`` or ``conductance``.
-    """
+    """Mean residual over each coordinate with two standard errors, stretching and releasing apart."""
     shown = [name for name in COORDINATE_TITLES if len(maps.get(name, ())) > 1]
     columns = 3
     traces: list[dict[str, Any]] = []
@@ -56,13 +49,7 @@ def profiles(maps: Mapping[str, Sequence[Cell]], channel: str) -> style.Figure:
 
 
 def profile(maps: Mapping[str, Mapping[str, Sequence[Cell]]], coordinates: Mapping[str, str]) -> style.Figure:
-    """The mean residual of each channel over one coordinate, as `profiles` shows it over all; one row a channel.
-
-    Parameters
-    ----------
-    maps : mapping of channel to mapping of coordinate to sequence of Cell
-    coordinates : mapping of channel to str
-    """
+    """The mean residual of each channel over one coordinate, as `profiles` shows it over all; one row a channel."""
     traces: list[dict[str, Any]] = []
     axes: dict[str, Any] = {}
     down = style.rows(len(coordinates), 0.2)

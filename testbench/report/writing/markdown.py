@@ -8,14 +8,7 @@ from testbench.report.document import Facts, Item, Picture, Report, Table
 
 
 def to_markdown(report: Report, figures: str) -> str:
-    """The report as Markdown.
-
-    Parameters
-    ----------
-    report : Report
-    figures : str
-        Folder of the PNG files, as the document should name it.
-    """
+    """The report as Markdown; `figures` is the folder of the PNG files, as the document should name it."""
     parts = [f"# {report.title}", report.date, report.verdict]
     parts += [_item(item, figures) for item in report.opening]
     for section in report.sections:

@@ -32,13 +32,7 @@ if TYPE_CHECKING:
 class Columns:
     """Fields that change the choices for one file.
 
-    Parameters
-    ----------
-    choices : Choices
-    look : callable
-        Called where the file must be looked at once more.
-    note : callable
-        Called where what the file holds stays the same.
+    `look` is awaited where the file must be looked at once more, `note` called where what it holds stays the same.
     """
 
     def __init__(self, choices: Choices, look: Callable[[], Awaitable[None]], note: Callable[[], None]) -> None:

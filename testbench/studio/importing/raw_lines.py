@@ -12,14 +12,7 @@ CELL = 44  # characters of a cell that are shown
 
 
 def raw_table(sheet: Sheet, roles: Mapping[int, str]) -> str:
-    """HTML of the first lines: above each column its number and what it is taken for.
-
-    Parameters
-    ----------
-    sheet : Sheet
-    roles : mapping of int to str
-        By column number: what it is taken for, in words.
-    """
+    """HTML of the first lines: above each column its number and what, by number, it is taken for."""
     layout = sheet.layout
     width = max([len(layout.columns), *(len(row) for row in sheet.head[:LINES])], default=1)
     head = "".join(_head(number, roles.get(number, "")) for number in range(1, width + 1))

@@ -62,13 +62,7 @@ class About:
 
 
 class Outliving:
-    """The one job of a kind that may outlive the studio, in a folder of its own.
-
-    Parameters
-    ----------
-    folder : Path
-        Made when the first job starts.
-    """
+    """The one job of a kind that may outlive the studio, in a folder of its own, made when the first starts."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder

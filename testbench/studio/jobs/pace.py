@@ -103,13 +103,7 @@ class Pace:
 
 
 class Paces:
-    """The profiles of the last jobs, kept in a file from one studio to the next.
-
-    Parameters
-    ----------
-    path : Path, optional
-        None keeps them for this studio alone.
-    """
+    """The profiles of the last jobs, kept in a file from one studio to the next; without one, for this studio."""
 
     def __init__(self, path: Path | None = None) -> None:
         self._path = path

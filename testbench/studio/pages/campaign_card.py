@@ -83,16 +83,8 @@ def _tags(found: Found, known: Known) -> str:
 class Card:
     """A campaign, and what can be done with it.
 
-    Parameters
-    ----------
-    studio : Studio
-    found : Found
-    choose : callable
-        Called with name and True or False: to be compared with another one.
-    changed : callable
-        Awaited when the notes have changed.
-    chosen : bool
-        Whether it is among those to be compared.
+    `choose` is called with its name and whether it is to be compared with another (`chosen`: it is already);
+    `changed` is awaited when the notes have changed.
     """
 
     def __init__(

@@ -11,7 +11,7 @@ from nicegui import ui
 
 from gcode.programs.stored_plan import read_plan
 from gcode.support.errors import UserError
-from testbench.report.figures.trajectory_figures import motion
+from testbench.report.figures.motion_figures import motion
 from testbench.report.words import duration_in_words
 from testbench.studio.jobs.job import Job, State
 from testbench.studio.parts.address import Address

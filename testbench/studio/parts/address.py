@@ -17,14 +17,7 @@ def address(path: str, **query: str | None) -> str:
 
 
 class Address:
-    """The address of a page: every choice on it is kept there, so that it can be shared and gone back to.
-
-    Parameters
-    ----------
-    path : str
-    **query : str
-        What is chosen now.
-    """
+    """The address of a page: every choice on it is kept there, so that it can be shared and gone back to."""
 
     def __init__(self, path: str, **query: str) -> None:
         self.path, self.query, self._page = path, dict(query), ui.context.client

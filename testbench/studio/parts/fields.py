@@ -31,13 +31,10 @@ def number_field(
     optional: bool = False,
     most: int | None = None,
 ) -> ui.number:
-    """A field for a number.
+    """A field for a number, its unit in the label: ``"Duration / min"``.
 
     Parameters
     ----------
-    label : str
-        With its unit: ``"Duration / min"``.
-    value : float or None
     positive : bool
         Only numbers above 0.
     whole : bool

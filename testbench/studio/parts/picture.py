@@ -27,15 +27,7 @@ DRAWN_WITHIN_S = 10.0  # with a browser that does not say that it has drawn: it 
 
 
 class Picture(Element, component="picture.js"):
-    """One figure.
-
-    Parameters
-    ----------
-    figure : dict
-        Of `testbench.report`; its arrays travel packed.
-    name : str
-        What a screen reader says of it.
-    """
+    """One figure of `testbench.report`, whose arrays travel packed; `name` is what a screen reader says of it."""
 
     def __init__(self, figure: style.Figure, name: str = "") -> None:
         super().__init__()
@@ -118,16 +110,7 @@ def not_there(span: Span, ends: tuple[float, float]) -> str:
 class ZoomingPlot:
     """A plot over time, and fields for its stretch; it is drawn again at full detail where it is zoomed into.
 
-    Parameters
-    ----------
-    drawn : callable
-    caption : str
-    time_s : ndarray, shape (n,)
-        Times that there are.
-    span : (start_s, end_s)
-        What it opens on.
-    on_span : callable
-        Told of every stretch that is looked at, for the address.
+    It opens on `span`, and tells `on_span` of every stretch that is looked at, for the address.
 
     Raises
     ------

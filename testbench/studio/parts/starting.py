@@ -74,9 +74,6 @@ def join_newest(
 
     Parameters
     ----------
-    holder : ui.column
-        Where to show it.
-    studio : Studio
     kind : str
         What its key begins with.
     on_end : callable

@@ -204,8 +204,14 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]], caption: str = "")
     shown.classes("table wide" if len(head) > 3 else "table").props("tabindex=0")
 
 
-def campaign_head(name: str, here: str, show: str = "") -> None:
-    """Title and tabs of one campaign; each tab is a deep link."""
+def campaign_head(studio: Studio, name: str, here: str, show: str = "") -> None:
+    """Title and tabs of one campaign; each tab is a deep link.
+
+    Raises
+    ------
+    UserError
+        Below them, where there is no such campaign (any more).
+    """
     with ui.row().classes("crumbs gap-2"):
         ui.link("Campaigns", "/").classes("quiet")
         ui.icon("chevron_right").classes("quiet")
@@ -216,6 +222,7 @@ def campaign_head(name: str, here: str, show: str = "") -> None:
             if path == here:
                 link.classes("here").props("aria-current=page")
     ui.run_javascript("document.querySelector('.tabs .here')?.scrollIntoView({block: 'nearest', inline: 'center'})")
+    studio.workspace.campaign(name)
 
 
 def later(build: Callable[[], Awaitable[None] | None]) -> None:

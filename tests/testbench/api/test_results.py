@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import pickle
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -37,8 +38,9 @@ def test_a_recording_tells_and_draws_itself():
     assert recording._repr_html_().count("<polyline") == len(recording.channels) == 3
     on = axes(3)
     assert list(recording.plot(on)) == on
-    assert [axis.get_ylabel() for axis in on] == ["strain / %", "force / N", "resistance / ohm"]
+    assert [axis.get_ylabel() for axis in on] == ["strain / %", "force / N", "resistance / kΩ"]
     assert on[1].lines[0].get_ydata().max() == recording["force_N"].max()
+    assert on[2].lines[0].get_ydata().max() == recording["resistance_ohm"].max() / 1000
     assert list(recording.to_frame().columns) == ["time_s", *recording.channels]
     again = json.loads(json.dumps(recording.to_dict()))
     assert again["columns"]["force_N"] == recording["force_N"].tolist()
@@ -71,6 +73,7 @@ def test_a_recording_can_be_read_from_a_frame_that_it_gave():
     recording = relaxed()
     again = tb.read(recording.to_frame(), gauge_length_mm=25)
     assert np.array_equal(again["resistance_ohm"], recording["resistance_ohm"])
+    assert repr(tb.read(recording.to_frame().set_index("time_s"), gauge_length_mm=25)) == repr(again)
 
 
 def test_what_a_file_is_called_is_escaped_in_html():
@@ -88,6 +91,12 @@ def test_a_fit_has_a_row_for_every_parameter_with_its_error():
     assert [line.get_label() for line in on[0].lines] == ["measured", "modelled"]
     assert "elasticity.stiffness_N" in fit._repr_html_()
     assert fit.errors["held_out"].keys() == {"force", "conductance"}
+
+
+def test_a_copy_of_a_result_and_what_comes_out_of_a_pickle_draws_itself_as_the_result_does():
+    drawn = fitted().plot(axes(2))[0].lines[1].get_ydata()
+    for one in (copy.deepcopy(fitted()), pickle.loads(pickle.dumps(fitted()))):
+        assert np.array_equal(one.plot(axes(2))[0].lines[1].get_ydata(), drawn)
 
 
 def test_a_model_with_an_effect_more_is_another_model():

@@ -12,7 +12,7 @@ from testbench.recordings.files import write_recording_csv
 from testbench.recordings.recording import Recording
 
 
-def test_adding_never_tries_to_leave_out_the_law_that_makes_the_conductance(tmp_path: Path) -> None:
+def test_adding_never_tries_to_leave_out_the_law_that_makes_the_conductance(tmp_path: Path, capsys) -> None:
     time_s = np.arange(1600) * 0.1
     strain = 0.12 + 0.06 * np.sin(0.9 * time_s) + 0.05 * np.sin(0.37 * time_s + 1.0)
     noise = np.random.default_rng(5).normal(size=(2, len(time_s)))
@@ -25,6 +25,8 @@ def test_adding_never_tries_to_leave_out_the_law_that_makes_the_conductance(tmp_
     model, recording = str(tmp_path / "model.json"), str(tmp_path / "strip.csv")
     assert main(["fit", recording, "--gauge-length-mm", "25", "-o", model]) == 0
     assert "piezoresistance" in Path(model).read_text()
+    assert main(["add", "piezoresistance", "--model", model, "--fit", recording, "-o", model]) == 2
+    assert "add piezoresistance: the model has this law already" in capsys.readouterr().err
     assert main(["add", "channel_lag", "--model", model, "--fit", recording, "-o", model]) == 0
     assert [step["step"] for step in json.loads(Path(model).read_text())["history"]] == ["baseline", "+ channel_lag"]
 

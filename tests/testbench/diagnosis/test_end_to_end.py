@@ -14,6 +14,7 @@ from testbench.comparing.ladder import fitted_file
 from testbench.design.rivals import rivals_from_diagnosis
 from testbench.diagnosis import diagnose
 from testbench.diagnosis.result import Diagnosis
+from testbench.diagnosis.verdict import verdict_clauses
 from testbench.diagnosis.words import first_line
 from testbench.fitting import constants
 from testbench.fitting.baseline import starting_baseline
@@ -53,6 +54,7 @@ def relaxed() -> Diagnosis:
 def test_nothing_hidden_nothing_found():
     result = once(*pair(), catalogue=CATALOGUE)
     assert (result.verdict, result.found, result.tied) == ("nothing_missing", (), ())
+    assert first_line(result) == "; ".join(verdict_clauses(result.to_dict()))
     assert first_line(result).startswith("nothing is missing that these recordings could show (")
     assert sum(result.probabilities.values()) == pytest.approx(1.0)
 

@@ -20,18 +20,18 @@ from testbench.recordings.recording import Recording
 from testbench.report import overlays, sections, style, words
 from testbench.report.downsample import rows_to_draw, thinned, window
 from testbench.report.figures import (
-    alignment_figures,
     comparison_figures,
     compensator_figures,
     diagnosis_figures,
     experiment_figures,
     ladder_figures,
     live_figures,
+    motion_figures,
     recording_figures,
     residual_figures,
-    trajectory_figures,
 )
 from testbench.report.figures.thumbnail import thumbnail
+from testbench.report.story import glance_facts
 from testbench.report.style import Figure
 from testbench.report.writing.static import draw, draw_on, write_figure
 
@@ -75,9 +75,9 @@ FIGURES: dict[str, Callable[[], Figure | None]] = {
     "dependence": lambda: diagnosis_figures.dependence(samples.diagnosis()),
     "prediction": lambda: diagnosis_figures.prediction(*residual_and_contribution(), 20.0, 40.0),
     "slope": lambda: diagnosis_figures.slope(*residual_and_contribution()[1:]),
-    "alignment": lambda: alignment_figures.alignment(np.arange(90) / 9, np.ones(90), np.linspace(0, 1, 90), 2.0, 5.0),
+    "alignment": lambda: motion_figures.alignment(np.arange(90) / 9, np.ones(90), np.linspace(0, 1, 90), 2.0, 5.0),
     "experiment": lambda: experiment_figures.of_file(samples.experiment(), np.arange(3.0), np.arange(3.0)),
-    "motion": lambda: trajectory_figures.motion(np.arange(400) / 20, np.sin(np.arange(400) / 20), 2.0, 3.0),
+    "motion": lambda: motion_figures.motion(np.arange(400) / 20, np.sin(np.arange(400) / 20), 2.0, 3.0),
     "live": lambda: live_figures.live(
         [
             live_figures.LiveChannel(
@@ -161,7 +161,7 @@ def prediction_with_a_gap() -> Figure:
 
 def alignment_with_a_gap() -> Figure:
     both = with_a_gap()
-    return alignment_figures.alignment(both.time_s, both.strain, both.strain)
+    return motion_figures.alignment(both.time_s, both.strain, both.strain)
 
 
 @pytest.mark.parametrize(
@@ -531,3 +531,14 @@ def test_a_result_is_drawn_on_axes_of_its_own_by_the_figure_of_the_report() -> N
     (axes,) = draw_on(experiment, None)
     assert axes.get_xscale() == "log"
     assert [name.get_text() for name in axes.get_yticklabels()] == ["fast triangle", "long hold"]
+
+
+def test_how_far_an_error_has_fallen_is_told_of_its_channel_and_nothing_is_not_less_than_nothing() -> None:
+    floor = {"force": 0.1, "conductance": 0.1}
+    first = ladder_figures.Step("baseline", {"force": 1.0, "conductance": 1.0}, floor)
+    last = ladder_figures.Step("+ slack", {"force": 0.999, "conductance": 0.5}, floor)
+    assert sections.fall_in_words(first, last) == "force +0 %, conductance -50 %"
+    told = dict(glance_facts([first, last]))
+    assert told["the force against the first model"] == "+0 %"
+    assert told["the conductance against the first model"] == "-50 %"
+    assert dict(glance_facts([first]))["the noise floor of the force"] == "10.0 times"

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from testbench.comparing.contribution import Contribution
-from testbench.report.figures.kohm import contribution_kohm, residuals_kohm
+from testbench.report.figures.comparison_figures import contribution_kohm, residuals_kohm
 
 LN_S = st.floats(-16.0, -2.0)
 LEFT = st.floats(-1.0, 1.0)

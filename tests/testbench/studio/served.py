@@ -57,6 +57,7 @@ def served(root: Path, refresh_s: float = 0.5) -> Iterator[Served]:
 
     `refresh_s` is how often the live page looks: benchmarks play an hour faster than it lasts.
     """
+    root.mkdir(exist_ok=True)
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]

@@ -128,7 +128,10 @@ def test_no_two_campaigns_share_their_results() -> None:
     assert len({workspace.results_name(name) for name in names}) == len(names)
 
 
-def test_a_file_is_no_workspace(tmp_path: Path) -> None:
+def test_a_file_or_a_slip_of_the_name_is_no_workspace(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(UserError, match="works in a folder"):
+    with pytest.raises(UserError, match="works in a folder, and this is a file"):
         Workspace(tmp_path / "file")
+    with pytest.raises(UserError, match="slip: the studio works in a folder, and there is none; make it first"):
+        Workspace(tmp_path / "slip")
+    assert not (tmp_path / "slip").exists()

@@ -11,7 +11,7 @@ from nicegui import ui
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT
 from testbench.recordings.manifest import CSV
-from testbench.report.figures.alignment_figures import alignment
+from testbench.report.figures.motion_figures import alignment
 from testbench.report.words import clocks_in_words
 from testbench.studio.memory import stamp
 from testbench.studio.parts.address import Address, span_of
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 @guarded
 async def page(studio: Studio, c: str = "", start: str = "", end: str = "") -> None:
     """How the clocks of campaign `c` and of its program relate."""
-    campaign_head(c, "/recording")
+    campaign_head(studio, c, "/recording")
     subheading(
         "Plan and recording", "Two clocks took part, the machine's and the rig's: they start apart and run apart."
     )

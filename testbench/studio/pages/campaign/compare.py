@@ -69,7 +69,7 @@ async def page(
 
     `beside` is a second model: a step of its own ladder by number, or the name of another campaign.
     """
-    campaign_head(c, "/compare", show)
+    campaign_head(studio, c, "/compare", show)
     if not has_model(studio, c):
         add_fit_form(studio, c)
         return

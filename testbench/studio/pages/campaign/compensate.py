@@ -43,8 +43,7 @@ NETWORKS = {
 @guarded
 def page(studio: Studio, c: str = "", target: str = "force") -> None:
     """Training form, and the last score for `target`."""
-    campaign_head(c, "/compensate")
-    studio.workspace.campaign(c)
+    campaign_head(studio, c, "/compensate")
     if target not in NEEDED:
         raise UserError(f"the target must be one of {', '.join(NEEDED)}, got {target!r}")
     _form(studio, c, target)

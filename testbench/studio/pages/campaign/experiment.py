@@ -29,8 +29,7 @@ async def page(
     studio: Studio, c: str = "", strain: str = "", minutes: str = "", speed: str = "", acceleration: str = ""
 ) -> None:
     """The experiment that separates the tied effects of campaign `c`, within the limits that were chosen."""
-    campaign_head(c, "/missing")
-    studio.workspace.campaign(c)
+    campaign_head(studio, c, "/missing")
     known = models.diagnosis_path(studio, c)
     if not known.is_file():
         raise UserError(f"{c} has no diagnosis yet; ask what is missing first, on the tab Missing effect")

@@ -32,7 +32,6 @@ def add_fit_form(studio: Studio, c: str, again: bool = False) -> None:
 
     `again`: in place of a model that is there, which is kept beside it as ``model-before.json``.
     """
-    studio.workspace.campaign(c)
     with ui.column().classes("card gap-3"):
         under = (
             "Elasticity, hysteresis, contact and drift are fitted to this recording; errors are judged on samples "

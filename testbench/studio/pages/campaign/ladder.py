@@ -50,7 +50,7 @@ REPORT = "report.html"
 @guarded
 async def page(studio: Studio, c: str = "", step: str = "", show: str = "") -> None:
     """The ladder of campaign `c`, looked at on `step`."""
-    campaign_head(c, "/ladder", show)
+    campaign_head(studio, c, "/ladder", show)
     if not models.has_model(studio, c):
         add_fit_form(studio, c)
         return

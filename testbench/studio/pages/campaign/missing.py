@@ -13,7 +13,7 @@ from gcode.support.errors import UserError
 from testbench.comparing.words import spoken
 from testbench.diagnosis.verdict import with_probability
 from testbench.report.figures import diagnosis_figures as figures
-from testbench.report.figures.kohm import contribution_kohm
+from testbench.report.figures.comparison_figures import contribution_kohm
 from testbench.report.words import NOT_REFITTED, base_in_words, error_left, verdict_in_words
 from testbench.results.result_files import read_diagnosis
 from testbench.studio import models
@@ -49,7 +49,7 @@ SHOWN = 8
 @guarded
 async def page(studio: Studio, c: str = "", pick: str = "", show: str = "", start: str = "", end: str = "") -> None:
     """The diagnosis of campaign `c`; `pick` is the candidate that is looked at, from `start` to `end` in seconds."""
-    campaign_head(c, "/missing", show)
+    campaign_head(studio, c, "/missing", show)
     if not models.has_model(studio, c):
         add_fit_form(studio, c)
         return

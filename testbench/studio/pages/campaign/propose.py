@@ -43,7 +43,7 @@ VERDICTS = {
 @guarded
 async def page(studio: Studio, c: str = "") -> None:
     """The law that campaign `c` lacks."""
-    campaign_head(c, "/missing")
+    campaign_head(studio, c, "/missing")
     if not models.has_model(studio, c):
         add_fit_form(studio, c)
         return

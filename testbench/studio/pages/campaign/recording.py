@@ -38,7 +38,7 @@ from testbench.studio.workspace import Campaign
 @guarded
 async def page(studio: Studio, c: str = "", show: str = "", start: str = "", end: str = "") -> None:
     """The recording of campaign `c`."""
-    campaign_head(c, "/recording", show)
+    campaign_head(studio, c, "/recording", show)
     where = Address("/recording", c=c, show=show, start=start, end=end)
     campaign = studio.workspace.campaign(c)
     if is_under_way(studio, campaign):

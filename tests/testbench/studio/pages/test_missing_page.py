@@ -219,6 +219,7 @@ async def test_what_the_diagnosis_put_in_goes_on_top_of_the_ladder_once(fitted: 
     (line,) = fitted.commands_path("sleeve").read_text().splitlines()
     copied = f"  cp {models.diagnosed_path(fitted, 'sleeve')} {models.model_path(fitted, 'sleeve')}"
     assert line.endswith(copied), "the log leads to the model as it is"
+    assert list(models.kept_diagnoses(fitted, "sleeve")) == [1], "it is told of the step that it led to"
     with pytest.raises(UserError, match="sleeve: the model or the diagnosis has changed since"):
         models.adopt_diagnosed(fitted, "sleeve", diagnosis)
     steps = [step["step"] for step in json.loads(models.model_path(fitted, "sleeve").read_text())["history"]]
@@ -245,7 +246,8 @@ def with_step(studio: Studio, name: str) -> None:
     """One more step on the ladder of ``sleeve``, as `testbench add` would put it there."""
     path = models.model_path(studio, "sleeve")
     data = json.loads(path.read_text())
-    data["history"].append(data["history"][0] | {"step": f"+ {name}"})
+    below = data["history"].pop()
+    data["history"] += [below | {"fit": data["fit"]}, below | {"step": f"+ {name}"}]
     path.write_text(json.dumps(data))
 
 

@@ -57,6 +57,15 @@ async def test_a_wrong_address_is_a_sentence(user: User, path: str) -> None:
     await user.should_see("no campaign")
 
 
+@pytest.mark.parametrize("page", ["compare", "missing", "ladder", "propose"])
+async def test_a_fitted_campaign_that_is_gone_is_said_once(user: User, fitted: Studio, page: str) -> None:
+    shutil.rmtree(fitted.workspace.root / "sleeve")
+    await user.open(f"/{page}?c=sleeve")
+    await user.should_see("no campaign 'sleeve'")
+    assert len(user.find("no campaign 'sleeve'").elements) == 1
+    await user.should_not_see("fit the baseline anew")
+
+
 async def test_an_address_without_a_page_says_so_and_leads_back(user: User) -> None:
     answer = await user.http_client.get("/nowhere")
     assert answer.status_code == 404
