@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Mapping
 
 from nicegui import ui
 
@@ -14,7 +15,7 @@ from testbench.studio.parts.starting import join_running
 from testbench.studio.parts.widgets import aside, button, subheading, trouble, way_on
 from testbench.studio.studio import Studio
 
-PLAY = "Play of the clamps / mm"
+PLAY, REST = "Play of the clamps / mm", "Rest of the specimen before it / s"
 
 
 async def refit_instead(studio: Studio, c: str) -> bool:
@@ -47,16 +48,21 @@ def add_fit_form(studio: Studio, c: str, again: bool = False) -> None:
             held = ui.select(choices, value=value, label="Held out")
             held.props("outlined dense").style("min-width:min(300px, 84vw)")
             play = number_field(PLAY, None, positive=False, optional=True).props('hint="empty: not clamped anew"')
-            play.style("width:240px")  # its label is long
             play.tooltip("where the sensor was clamped anew: by how much the zero of its displacement may have moved")
-            play.bind_visibility_from(held, "value", backward=lambda value: value != models.LAST_THIRD)
+            rest = number_field(REST, None, optional=True).props('hint="empty: it is of a fresh specimen"')
+            rest.tooltip("where the held-out recording is of the same specimen: how long that rested before it")
+            for field in (play, rest):
+                field.style("width:260px")  # their labels are long
+                field.bind_visibility_from(held, "value", backward=lambda value: value != models.LAST_THIRD)
 
         def start() -> None:
-            check(play)
+            check(play, rest)
             models.refuse_while_asked(studio, c)
             if models.has_model(studio, c):  # also where this tab does not know of it yet
                 copy_file(models.model_path(studio, c), models.model_path(studio, c).with_name(models.BEFORE))
-            argv = _fit_command(studio, c, str(held.value), typed(play) if play.value else "")
+            between = {"--clamp-play-mm": play, "--rest-s": rest}
+            said = {option: typed(field) for option, field in between.items() if field.value and field.visible}
+            argv = _fit_command(studio, c, str(held.value), said)
             models.change_model(studio, c, [(f"Fitting the baseline to {c}", argv)], holder, ui.navigate.reload)
 
         words = "Fit the baseline anew" if again else "Fit the baseline"
@@ -65,8 +71,8 @@ def add_fit_form(studio: Studio, c: str, again: bool = False) -> None:
         join_running(studio, f"model:{c}", holder, ui.navigate.reload)
 
 
-def _fit_command(studio: Studio, c: str, held_out: str, play_mm: str) -> list[str]:
+def _fit_command(studio: Studio, c: str, held_out: str, between: Mapping[str, str]) -> list[str]:
     argv = ["testbench", "fit", str(studio.workspace.campaign(c).folder)]
     argv += models.held_out_arguments(studio, held_out) + studio.effects.arguments()
-    argv += ["--clamp-play-mm", play_mm] if play_mm and held_out != models.LAST_THIRD else []
+    argv += [word for option in between.items() for word in option]
     return [*argv, "-o", str(models.model_path(studio, c))]

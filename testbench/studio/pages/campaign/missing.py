@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
-from gcode.support.errors import UserError
 from testbench.comparing.words import spoken
 from testbench.diagnosis.verdict import with_probability
 from testbench.report.figures import diagnosis_figures as figures
@@ -21,7 +19,6 @@ from testbench.studio.memory import stamp
 from testbench.studio.pages.campaign.effect_told import effect_told
 from testbench.studio.pages.campaign.fit_form import add_fit_form
 from testbench.studio.parts.address import Address, address, span_of
-from testbench.studio.parts.fields import check, number_field, typed
 from testbench.studio.parts.picture import Span, ZoomingPlot, plot
 from testbench.studio.parts.starting import join_running, run_in_turn
 from testbench.studio.parts.widgets import (
@@ -66,11 +63,9 @@ def _ask(studio: Studio, c: str, known: bool) -> None:
     key = f"diagnose:{c}"
 
     def start() -> None:
-        check(rest)
         argv = ["testbench", "diagnose", str(studio.workspace.campaign(c).folder)]
         argv += [*models.same_arguments(studio, c), "--json", str(models.diagnosis_path(studio, c))]
         argv += ["-o", str(models.diagnosed_path(studio, c))]
-        argv += ["--rest-s", typed(rest)] if rest.value and rest.visible else []
         command = (f"Looking for what is missing in {c}", argv)
         run_in_turn(studio, key, [command], holder, ui.navigate.reload)
 
@@ -80,21 +75,9 @@ def _ask(studio: Studio, c: str, known: bool) -> None:
             "seen decide. It takes a few minutes."
         )
         subheading("What does the model lack?", under)
-    rest = _rest_field(studio, c)
     button("Ask again" if known else "Find what is missing", "search", start, "outline" if known else "unelevated")
     holder = ui.column().classes("w-full")
     join_running(studio, key, holder, ui.navigate.reload)
-
-
-def _rest_field(studio: Studio, c: str) -> ui.number:
-    """How long the specimen rested before it was recorded again; hidden where nothing else is held out."""
-    field = number_field("Rest before the held-out recording / s", None, optional=True)
-    field.props('hint="empty: that is of a fresh specimen"').style("width:300px")  # its label is long
-    field.tooltip("where the held-out recording is of the same specimen: how long that rested before it")
-    field.set_visibility(False)
-    with contextlib.suppress(UserError):  # which the question says, once it is asked
-        field.set_visibility(models.held_out_of(studio, c) != models.LAST_THIRD)
-    return field
 
 
 async def _answer(studio: Studio, diagnosis: Mapping[str, Any], where: Address) -> None:

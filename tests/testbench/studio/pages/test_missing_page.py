@@ -19,6 +19,7 @@ from gcode.support.errors import UserError
 from testbench.results.result_files import read_diagnosis
 from testbench.studio import models
 from testbench.studio.pages.campaign import missing
+from testbench.studio.pages.campaign.fit_form import REST
 from testbench.studio.parts.picture import Picture
 from testbench.studio.studio import Studio
 from tests.testbench.studio.diagnoses import refit_elsewhere, running_job, steps_in, with_diagnosis
@@ -163,27 +164,27 @@ async def test_motions_for_an_earlier_diagnosis_are_not_shown(user: User, fitted
     await user.should_not_see("Run “long hold”")
 
 
-async def test_a_held_out_recording_may_be_of_the_same_specimen(
-    user: User, fitted: Studio, monkeypatch: pytest.MonkeyPatch
+async def test_a_held_out_recording_may_be_clamped_anew_and_of_the_same_specimen(
+    user: User, studio: Studio, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[list[str]] = []
-    monkeypatch.setattr(missing, "run_in_turn", lambda studio, key, commands, *more: asked.append(commands[0][1]))
+    monkeypatch.setattr(models, "change_model", lambda studio, c, commands, *more: asked.append(commands[0][1]))
+    shutil.copytree(studio.workspace.root / "sleeve", studio.workspace.root / "other")
     await user.open("/missing?c=sleeve")
-    await user.should_see("Find what is missing")
-    await user.should_not_see("Rest before the held-out recording / s")
-    path = models.model_path(fitted, "sleeve")
-    shutil.copytree(fitted.workspace.root / "sleeve", fitted.workspace.root / "other")
-    held_out = str(fitted.workspace.root / "other" / "recording.csv")
-    path.write_text(json.dumps(json.loads(path.read_text()) | {"held_out": held_out}))
-    await user.open("/missing?c=sleeve")
-    for said in (None, 120.0):
-        (field,) = user.find(kind=ui.number, content="Rest before the held-out recording / s").elements
-        field.value = said
-        user.find(kind=ui.button, content="Find what is missing").click()
+    await user.should_see("First, a baseline")
+    await user.should_not_see(REST)
+    (held,) = user.find(kind=ui.select, content="Held out").elements
+    for choice, said in ((models.LAST_THIRD, 5.0), ("other", None), ("other", 120.0)):
+        held.value = choice
+        for field in (*user.find(kind=ui.number, content=REST).elements,) if choice == "other" else ():
+            field.value = said
+        user.find(kind=ui.button, content="Fit the baseline").click()
         await asyncio.sleep(0)
-    fresh, same = asked
+    third, fresh, same = asked
+    assert "--rest-s" not in third
     assert "--rest-s" not in fresh
     assert same[same.index("--rest-s") + 1] == "120"
+    assert "--clamp-play-mm" not in same
 
 
 async def test_the_next_step_is_judged_on_what_the_first_was(fitted: Studio) -> None:
