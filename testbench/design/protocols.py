@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -196,12 +197,11 @@ def _fast_noise(bounds: Bounds) -> list[Piece]:
     return [_random(bounds, shape)]
 
 
-def _random(bounds: Bounds, shape: Mapping[str, float | int]) -> Noise:
-    data = {"duration_s": bounds.duration_s - APPROACHES_S, "high_percent": bounds.strain_max_percent, **shape}
-    return Noise.model_validate(data)
+def _random(bounds: Bounds, shape: Mapping[str, Any]) -> Noise:
+    return Noise(duration_s=bounds.duration_s - APPROACHES_S, high_percent=bounds.strain_max_percent, **shape)
 
 
-def _pace(bounds: Bounds, cells_per_s: float) -> dict[str, float | int]:
+def _pace(bounds: Bounds, cells_per_s: float) -> dict[str, Any]:
     # Noise crosses about the whole stroke in a cell: slower cells where the speed limit would not allow it.
     slowest = 0.5 * bounds.fast_mm_per_s / bounds.stroke_mm
     return {"octaves": 2, "persistence": 0.12, "cells_per_s": min(cells_per_s, slowest), "peak": 0.7}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from itertools import product
@@ -72,7 +72,10 @@ def tasks_of(spec: DatasetSpec, base: Path, out: Path, effects: Path | None = No
     _catalogue(own)  # a file without effects is refused, whether or not a sensor asks for them
     models = {sensor: _model(sensor, base, own) for sensor in spec.sensors}
     kept = {sensor: effects_kept(model, own) for sensor, model in models.items()}
-    programs = _planned(spec, base, out) if spec.trajectory else _found(spec.programs, base)
+    if spec.trajectory:
+        programs = _planned(spec.trajectory, spec.gauge_length_mm, base, out)
+    else:
+        programs = _found(spec.programs, base)
     for program in programs:
         motion_of(program, spec.gauge_length_mm)
     count = len(models) * len(programs) * len(spec.seeds)
@@ -137,22 +140,19 @@ def _found(patterns: Sequence[str], base: Path) -> list[Path]:
     return found
 
 
-def _planned(spec: DatasetSpec, base: Path, out: Path) -> list[Path]:
-    refuse_links([out / PROGRAMS], "choose another place")
-    folder = make_folder(out / PROGRAMS).absolute()
-    assert spec.trajectory is not None
-    return list(_programs(spec.trajectory, spec.gauge_length_mm, base, folder))
-
-
-def _programs(wish: TrajectoryWish, gauge_length_mm: float, base: Path, folder: Path) -> Iterator[Path]:
+def _planned(wish: TrajectoryWish, gauge_length_mm: float, base: Path, out: Path) -> list[Path]:
     from gcode.programs.api import generate
     from gcode.trajectories.presets import preset as motion_preset
     from gcode.trajectories.toml_spec import read_spec
 
     given = motion_preset(wish.preset) if wish.preset else read_spec(base / str(wish.spec))
+    folder = (out / PROGRAMS).absolute()
+    refuse_links([folder], "choose another place")
+    paths = []
     for seed in wish.seeds:
         made = generate(given, seed, gauge_length_mm, duration_s=wish.duration_s)
-        path = folder / f"{made.spec.name}-{seed:05d}.tap"
+        path = make_folder(folder) / f"{made.spec.name}-{seed:05d}.tap"
         if not path.is_file() or strict.read_bytes(path, "program") != made.program.encode():
             write_text(path, made.program)
-        yield path
+        paths.append(path)
+    return paths

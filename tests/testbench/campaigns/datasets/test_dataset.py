@@ -175,6 +175,7 @@ def test_a_data_set_may_use_effects_of_ones_own(tmp_path):
         ),
         ('sensors=["pes"]\nseeds=[1]\nprograms=["two_*.tap"]\nrest_s=60', "it needs same_sensor = true"),
         ('sensors=["pes"]\nseeds=[true]\nprograms=["two_*.tap"]', r"seeds.*integer"),
+        ('sensors=["pes"]\nseeds=[1]\n[trajectory]\npreset="paper-9"\nseeds=[1]', "preset must be one of paper-1"),
     ],
 )
 def test_a_bad_spec_is_refused_before_anything_runs(tmp_path, text, message):
@@ -182,6 +183,7 @@ def test_a_bad_spec_is_refused_before_anything_runs(tmp_path, text, message):
     path.write_text(text)
     with pytest.raises(UserError, match=message):
         tasks_of(read_spec(path), tmp_path, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_second_command_in_the_same_folder_is_refused(tmp_path):
