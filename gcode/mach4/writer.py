@@ -88,7 +88,9 @@ def write_program(
     lines = [*header_lines({**about, **(header or {})}), SAFE_START, "G21", feed_mode, "G64"]
     if moves.start_ticks:
         lines.append(f"G0 X{moves.start_ticks / 10**moves.decimals:.{moves.decimals}f}")
-    return sealed("\n".join([*lines, *_body(moves, speed, v_max_mm_per_s, feed_mode), "M30", ""]))
+    # A controller may keep G93 after the end, and the next program's F500 would be 500 moves a minute.
+    end = ["G94"] if feed_mode == "G93" else []
+    return sealed("\n".join([*lines, *_body(moves, speed, v_max_mm_per_s, feed_mode), *end, "M30", ""]))
 
 
 def _moves(trajectory: Trajectory) -> _Moves:

@@ -173,12 +173,6 @@ def places(folder: str | Path) -> list[Path]:
 def make(spec: TrajectorySpec, seed: int, gauge_length_mm: float, feed_mode: FeedMode = "G94") -> Made:
     """Plan, write and check a program.
 
-    Returns
-    -------
-    Made
-        ``.trajectory`` is the plan, ``.program`` the text, ``.statistics`` those of the motion as executed by the
-        controller that the spec names, sampled at the spec's rate.
-
     Raises
     ------
     UserError

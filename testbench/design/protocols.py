@@ -124,11 +124,6 @@ def _in_time(name: str, bounds: Bounds, share: float, seed: int) -> Made | None:
     return None
 
 
-def _check(bounds: Bounds) -> None:
-    check_duration("duration_s", bounds.duration_s)
-    _check_stroke(bounds)
-
-
 def check_duration(name: str, duration_s: float) -> None:
     """Refuse an experiment that is too short for the designs, or longer than a day; `name` is what it was said by."""
     if not SHORTEST_EXPERIMENT_S <= duration_s <= LONGEST_EXPERIMENT_S:
@@ -136,7 +131,8 @@ def check_duration(name: str, duration_s: float) -> None:
         raise UserError(f"{name}: an experiment takes {span}, got {duration_s / 60:g} min")
 
 
-def _check_stroke(bounds: Bounds) -> None:
+def _check(bounds: Bounds) -> None:
+    check_duration("duration_s", bounds.duration_s)
     stroke_s = bounds.stroke_mm / max(bounds.fast_mm_per_s, 1e-300)
     if SHORTEST_STROKE_S <= stroke_s <= bounds.duration_s / 2:
         return

@@ -26,7 +26,9 @@ def short(name: str):
 @pytest.mark.parametrize("name", PRESETS)
 def test_reading_gives_the_trajectory_back_exactly(name, mode):
     trajectory = plan(short(name), 3, 25.0)
-    program = read_program(write_program(trajectory, feed_mode=mode, machine_acceleration_mm_per_s2=350.0))
+    text = write_program(trajectory, feed_mode=mode, machine_acceleration_mm_per_s2=350.0)
+    assert text.endswith("\nG94\nM30\n") == (mode == "G93")  # the next program must not be read in inverse time
+    program = read_program(text)
     again = program.planned()
     np.testing.assert_allclose(again.time_s, trajectory.time_s, atol=1e-9)
     np.testing.assert_allclose(again.position_mm, trajectory.position_mm, atol=1e-9)
