@@ -24,7 +24,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="campaign folders with a CSV each (default); parquet: beside them Parquet files, split by specimen, "
         "with Croissant metadata",
     )
-    parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that does the work: tcp://HOST:8786")
+    parser.add_argument(
+        "--scheduler", metavar="ADDRESS", help="of a Dask cluster that does the work: tcp://HOST:8786"
+    )
 
 
 def run(args: argparse.Namespace) -> int:

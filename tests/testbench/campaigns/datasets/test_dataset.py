@@ -10,6 +10,7 @@ import threading
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from gcode.support.errors import UserError
@@ -120,10 +121,28 @@ def test_varied_parameters_are_drawn_by_the_seed_and_end_in_the_manifest(tmp_pat
     drawn = [task.model["effects"][0]["parameters"]["stiffness_N"] for task in made]
     assert len(set(drawn)) == 3
     assert all(5 <= value <= 9 for value in drawn)
-    assert varied(baseline(), {"elasticity.stiffness_N": (5, 9)}, 2)["elasticity"].stiffness_N == drawn[1]
+    assert (
+        varied(baseline(), {"elasticity.stiffness_N": (5, 9)}, made[1].specimen)["elasticity"].stiffness_N == drawn[1]
+    )
     (tmp_path / "out").mkdir()
     make(made[0])
     assert read_recording(made[0].folder).metadata["recipe"]["model"] == made[0].model
+
+
+def test_no_two_campaigns_share_noise_or_sampling_times_or_what_is_drawn(tmp_path):
+    """Specimens of the same seed were read at the same times with the same noise, in training as in the test."""
+    program(tmp_path)
+    path = tmp_path / "set.toml"
+    text = 'sensors = ["pes@1", "pes@2"]\nprograms = ["two_*.tap"]\nseeds = [1]\n[vary]\n'
+    path.write_text(f'{text}"elasticity.stiffness_N" = [5.0, 9.0]\n')
+    one, other = tasks_of(read_spec(path), tmp_path, tmp_path / "out")
+    assert one.seed == other.seed
+    assert one.model["effects"][0]["parameters"] != other.model["effects"][0]["parameters"]
+    (tmp_path / "out").mkdir()
+    assert make(one)
+    assert make(other)
+    first, second = (read_recording(task.folder).time_s[:50] for task in (one, other))
+    assert not np.allclose(first, second)
 
 
 def test_programs_on_the_same_sensor_know_what_came_before(tmp_path):
@@ -171,7 +190,7 @@ def test_a_data_set_may_use_effects_of_ones_own(tmp_path):
         ),
         (
             'sensors=["pes"]\nseeds=[1]\nprograms=["two_*.tap"]\nvary={"elasticity.stiffness_N"=[1e9,1e9]}',
-            "vary, seed 1",
+            "vary, pes#1",
         ),
         ('sensors=["pes"]\nseeds=[1]\nprograms=["two_*.tap"]\nrest_s=60', "it needs same_sensor = true"),
         ('sensors=["pes"]\nseeds=[true]\nprograms=["two_*.tap"]', r"seeds.*integer"),
