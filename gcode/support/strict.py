@@ -60,6 +60,8 @@ class NamedModel(BaseModel):
 
 def _made_up(given: Any, taken: Any) -> bool:
     """Whether a number was made of a text, or of a yes or no, as pydantic does."""
+    if isinstance(given, dict) and isinstance(taken, dict):
+        return any(map(_made_up, given.values(), taken.values()))
     if isinstance(given, list | tuple) and isinstance(taken, list | tuple):
         return any(map(_made_up, given, taken))
     return isinstance(given, str | bool) and isinstance(taken, int | float) and type(given) is not type(taken)
