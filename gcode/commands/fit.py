@@ -23,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     number(parser, "--rate-hz", "rate_hz", "HZ", "rate at which they are taken (default 20)", default=20.0)
     number(parser, "--v-max", "v_max_mm_per_s", "MM/S", "speed limit; default 5 times --v-mean")
     number(parser, "--a-max", "a_max_mm_per_s2", "MM/S2", "acceleration limit; default 14 times --a-mean")
-    number(parser, "--gauge-length-mm", "gauge_length_mm", "MM", "length between the grips (default 25)", default=25.0)
+    number(parser, "--gauge-length-mm", "gauge_length_mm", "MM", "between the grips (default 25)", default=25.0)
     number(parser, "--low-percent", "low_percent", "%", "strain range, lower end (default 0)", default=0.0)
     number(parser, "--high-percent", "high_percent", "%", "strain range, upper end (default 30)", default=30.0)
     parser.add_argument("-o", "--output", metavar="TOML", help="write the spec here instead of printing it")

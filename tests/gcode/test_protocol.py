@@ -69,6 +69,12 @@ def test_what_a_jerk_limit_takes_from_a_stroke_is_noted():
     assert note == "5 mm are asked for, of which the jerk limit leaves 4.1 mm"
 
 
+def test_a_target_that_a_jerk_limit_takes_away_is_told_as_such():
+    """It was laid at the door of the gauge length and the range alone."""
+    (note, *_) = gcode.generate("paper-1", 3, duration_s=400, j_max_mm_per_s3=60).notes()
+    assert note.startswith("the target is missed at this gauge length and range within this jerk limit: a_mean")
+
+
 def test_a_jerk_limit_that_is_too_low_is_told_in_the_numbers_that_were_given():
     """It was told in those that a plan uses of them: 3.8 and 19."""
     with pytest.raises(UserError, match=r"j max 4 mm/s3 is too low for a max 20 mm/s2 \(at least 8\)"):
