@@ -182,6 +182,8 @@ def test_amplitudes_must_match_the_frequencies():
         lambda odd: gcode.Limits(v_max_mm_per_s=odd),
         lambda odd: gcode.Machine(look_ahead_blocks=odd),
         lambda odd: gcode.RateSweep(speeds_mm_per_s=(1, odd)),
+        lambda odd: gcode.TrajectorySpec(pieces=(gcode.Hold(duration_s=1),), limits={"v_max_mm_per_s": odd}),
+        lambda odd: gcode.TrajectorySpec(pieces=[{"kind": "hold", "duration_s": odd}]),
         lambda odd: gcode.generate(gcode.Ramp(to_percent=1, speed_mm_per_s=1), 1, v_max_mm_per_s=odd),
         lambda odd: gcode.generate(gcode.Ramp(to_percent=1, speed_mm_per_s=1), 1, machine_acceleration_mm_per_s2=odd),
         lambda odd: gcode.generate("paper-1", 1, duration_s=odd),

@@ -116,7 +116,7 @@ def test_the_name_of_a_law_is_a_text():
 
 @pytest.mark.parametrize("odd", ["3", True])
 def test_a_limit_among_the_bounds_is_no_text_either(odd, tmp_path):
-    with pytest.raises(tb.UserError, match="Settings: bounds: must be a number, got "):
+    with pytest.raises(tb.UserError, match=f"Settings: bounds.strain_max_percent: must be a number, got {odd!r}"):
         tb.investigate(tb.baseline(), tmp_path / "i", bounds={"strain_max_percent": odd})
 
 
