@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from gcode.commands.generate import LIMITS
+from gcode.commands._numbers import ACCELERATION, HIGHEST, JERK, LOWEST, SPEED, given, number
 
 if TYPE_CHECKING:
     from gcode.mach4.check import CheckResult
@@ -13,41 +13,19 @@ if TYPE_CHECKING:
 SUMMARY = "check a program against limits; exit 0 if it may run, 1 if not"
 EXAMPLE = "gcode check run-1/program.tap --v-max 5 --a-max 20 --x-min 0 --x-max 7.5"
 
+OF_THE_CONTROLLER = "the controller's own, default: 5 a-max (what the file says of it counts for nothing)"
 SHOWN = 20
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("program", metavar="PROGRAM", help="a Mach4 or plain RS274/NGC file")
-    v_max, a_max, j_max, x_min, x_max = LIMITS
-    parser.add_argument("--v-max", dest=v_max, type=float, required=True, metavar="MM/S", help="speed limit")
-    parser.add_argument("--a-max", dest=a_max, type=float, required=True, metavar="MM/S2", help="acceleration limit")
-    parser.add_argument("--x-min", dest=x_min, type=float, required=True, metavar="MM", help="soft limit, lower end")
-    parser.add_argument("--x-max", dest=x_max, type=float, required=True, metavar="MM", help="soft limit, upper end")
-    parser.add_argument(
-        "--rate-hz", type=float, default=20.0, metavar="HZ", help="rate of the finite differences (default 20)"
-    )
-    parser.add_argument(
-        "--machine-acceleration",
-        dest="acceleration_mm_per_s2",
-        type=float,
-        metavar="MM/S2",
-        help="the controller's own, default: 5 a-max (what the file says of it counts for nothing)",
-    )
-    parser.add_argument("--j-max", dest=j_max, type=float, metavar="MM/S3", help="jerk limit (default: none)")
-    parser.add_argument(
-        "--rapid",
-        dest="rapid_mm_per_s",
-        type=float,
-        metavar="MM/S",
-        help="speed of G0 moves; without it they are refused",
-    )
-    parser.add_argument(
-        "--max-dwell-s",
-        dest="longest_dwell_s",
-        type=float,
-        metavar="S",
-        help="longest dwell; default 120 in files that others made",
-    )
+    for limit in (SPEED, ACCELERATION, LOWEST, HIGHEST):
+        number(parser, *limit, required=True)
+    number(parser, *JERK)
+    number(parser, "--rate-hz", "rate_hz", "HZ", "rate of the finite differences (default 20)", default=20.0)
+    number(parser, "--machine-acceleration", "acceleration_mm_per_s2", "MM/S2", OF_THE_CONTROLLER)
+    number(parser, "--rapid", "rapid_mm_per_s", "MM/S", "speed of G0 moves; without it they are refused")
+    number(parser, "--max-dwell-s", "longest_dwell_s", "S", "longest dwell; default 120 in files that others made")
     parser.add_argument(
         "--as-foreign", action="store_true", help="do not hold a program of ours against the recipe in its header"
     )
@@ -63,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
     from gcode.programs.made_again import check_file
     from gcode.trajectories.trajectory import Limits
 
-    limits = Limits(**{name: getattr(args, name) for name in LIMITS})
+    limits = Limits(**given(args, Limits.model_fields))
     own = args.acceleration_mm_per_s2
     machine = None if own is None else Machine(acceleration_mm_per_s2=own)
     result, origin = check_file(

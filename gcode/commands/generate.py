@@ -6,13 +6,15 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from gcode.commands._numbers import LIMITS, given, number
+
 if TYPE_CHECKING:
     from gcode.programs.make import Made
 
 SUMMARY = "plan a trajectory and write trajectory.csv, program.tap and trajectory.json"
 EXAMPLE = "gcode generate --preset paper-1 --seed 51 --gauge-length-mm 25 -o run-1"
-LIMITS = ("v_max_mm_per_s", "a_max_mm_per_s2", "j_max_mm_per_s3", "x_min_mm", "x_max_mm")
-IN_THE_HEADER = ("seed", "gauge_length_mm", "feed_mode", "duration_s", "machine_acceleration_mm_per_s2", *LIMITS)
+OTHERS = ("seed", "gauge_length_mm", "feed_mode", "duration_s", "machine_acceleration_mm_per_s2")
+IN_THE_HEADER = (*OTHERS, *(name for _, name, _, _ in LIMITS))
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,22 +29,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "The first two are needed; what else is left out is as the preset or the spec says.",
     )
     new.add_argument("--seed", type=int, metavar="N", help="0 or more: another seed is another motion")
-    new.add_argument("--gauge-length-mm", type=float, metavar="MM", help="sample length between the grips")
+    number(new, "--gauge-length-mm", "gauge_length_mm", "MM", "sample length between the grips")
     new.add_argument("--feed-mode", choices=("G94", "G93"), help="feed per minute (default) or inverse time")
-    v_max, a_max, j_max, x_min, x_max = LIMITS
-    new.add_argument("--v-max", dest=v_max, type=float, metavar="MM/S", help="speed limit")
-    new.add_argument("--a-max", dest=a_max, type=float, metavar="MM/S2", help="acceleration limit")
-    new.add_argument("--j-max", dest=j_max, type=float, metavar="MM/S3", help="jerk limit")
-    new.add_argument("--x-min", dest=x_min, type=float, metavar="MM", help="machine travel, lower end")
-    new.add_argument("--x-max", dest=x_max, type=float, metavar="MM", help="machine travel, upper end")
-    new.add_argument("--duration-s", type=float, metavar="S", help="duration of the (one) noise piece")
-    new.add_argument(
-        "--machine-acceleration",
-        dest="machine_acceleration_mm_per_s2",
-        type=float,
-        metavar="MM/S2",
-        help="default: 5 a-max",
-    )
+    for limit in LIMITS:
+        number(new, *limit)
+    number(new, "--duration-s", "duration_s", "S", "duration of the (one) noise piece")
+    number(new, "--machine-acceleration", "machine_acceleration_mm_per_s2", "MM/S2", "default: 5 a-max")
 
 
 def run(args: argparse.Namespace) -> None:
@@ -71,18 +63,11 @@ def _made(args: argparse.Namespace) -> Made:
     from gcode.programs.make import make_again
     from gcode.support.errors import UserError
 
+    said = given(args, IN_THE_HEADER)
     if args.again:
-        if given := [name for name in IN_THE_HEADER if getattr(args, name) is not None]:
-            raise UserError(f"--again makes the program as its header says; leave `{given[0]}` out")
+        if said:
+            raise UserError(f"--again makes the program as its header says; leave `{next(iter(said))}` out")
         return make_again(load_program(args.again))
     if args.seed is None or args.gauge_length_mm is None:
         raise UserError("--seed and --gauge-length-mm are needed, e.g. --seed 51 --gauge-length-mm 25")
-    return generate(
-        args.preset or Path(args.spec),
-        args.seed,
-        args.gauge_length_mm,
-        duration_s=args.duration_s,
-        feed_mode=args.feed_mode or "G94",
-        machine_acceleration_mm_per_s2=args.machine_acceleration_mm_per_s2,
-        **{name: value for name in LIMITS if (value := getattr(args, name)) is not None},
-    )
+    return generate(args.preset or Path(args.spec), **said)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 
+from gcode.commands._numbers import number
+
 SUMMARY = "play a program as a look-ahead controller would and write the executed position over time"
 OF_THE_CONTROLLER = "the controller's; default: as the header says, else 100"
 EXAMPLE = "gcode play run-1/program.tap -o executed.csv --rate-hz 20"
@@ -12,14 +14,11 @@ EXAMPLE = "gcode play run-1/program.tap -o executed.csv --rate-hz 20"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("program", metavar="PROGRAM", help="a Mach4 or plain RS274/NGC file")
     parser.add_argument("-o", "--output", required=True, metavar="CSV", help="time_s,position_mm")
-    for option, name, kind, default, unit, words in (
-        ("--rate-hz", "rate_hz", float, 20.0, "HZ", "sample rate of the result (default 20)"),
-        ("--acceleration", "acceleration_mm_per_s2", float, None, "MM/S2", OF_THE_CONTROLLER),
-        ("--look-ahead", "look_ahead_blocks", int, 20, "BLOCKS", "default 20, as in Mach4"),
-        ("--corner-speed", "corner_mm_per_s", float, 0.0, "MM/S", "step at a reversal (default 0: stop)"),
-        ("--rapid", "rapid_mm_per_s", float, 50.0, "MM/S", "speed of G0 moves (default 50)"),
-    ):
-        parser.add_argument(option, dest=name, type=kind, default=default, metavar=unit, help=words)
+    number(parser, "--rate-hz", "rate_hz", "HZ", "sample rate of the result (default 20)", default=20.0)
+    number(parser, "--acceleration", "acceleration_mm_per_s2", "MM/S2", OF_THE_CONTROLLER)
+    number(parser, "--look-ahead", "look_ahead_blocks", "BLOCKS", "default 20, as in Mach4", type=int, default=20)
+    number(parser, "--corner-speed", "corner_mm_per_s", "MM/S", "step at a reversal (default 0: stop)", default=0.0)
+    number(parser, "--rapid", "rapid_mm_per_s", "MM/S", "speed of G0 moves (default 50)", default=50.0)
 
 
 def run(args: argparse.Namespace) -> None:

@@ -84,26 +84,10 @@ def check_program(
     rapid_mm_per_s: float | None = None,
     longest_dwell_s: float | None = None,
 ) -> CheckResult:
-    """Check a program against limits.
+    """Check a program against limits; its parameters are those of `gcode.check`.
 
     Positions, feeds and dwells are checked as programmed. Speed, acceleration and jerk are checked as executed: the
-    program is played and differentiated at `rate_hz`.
-
-    Parameters
-    ----------
-    program : Program
-        From `gcode.mach4.reader.parse_program`, with the faults it found.
-    limits : Limits
-        What to hold it against.
-    rate_hz : float
-        Rate of the finite differences.
-    machine : Machine or None
-        The controller. None: five times the limit; what the file says of the controller counts for nothing.
-    rapid_mm_per_s : float or None
-        Speed of G0 moves, in place of the machine's. None: unknown, so G0 moves are refused.
-    longest_dwell_s : float or None
-        None: 120 s. A program of ours that was made again from its recipe may dwell as long as it likes; see
-        `gcode.programs.made_again`.
+    program is played and differentiated at `rate_hz`. What the file says of its controller counts for nothing.
 
     Raises
     ------

@@ -78,22 +78,7 @@ def execute(program: Program, machine: Machine) -> Motion:
 
 
 def play(program: Program, rate_hz: float = 20.0, machine: Machine | None = None) -> Trajectory:
-    """Executed position over time.
-
-    Parameters
-    ----------
-    program : Program
-        From `gcode.mach4.reader.read_program`.
-    rate_hz : float
-        Sample rate of the result.
-    machine : Machine or None
-        The controller; None takes the one that the program's header names.
-
-    Returns
-    -------
-    Trajectory
-        From the program's start to its end.
-    """
+    """Executed position over time, from the program's start to its end; see `gcode.play`."""
     if not 0 < number("rate_hz", rate_hz) <= 100_000:
         raise UserError(f"rate_hz must be above 0 and at most 100000, got {rate_hz:g}")
     motion = execute(program, machine_for(program) if machine is None else machine)

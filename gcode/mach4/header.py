@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from gcode.support.errors import UserError
-from gcode.support.strict import json_of
 
 WRITTEN_COMMENT = 96  # interpreters refuse over-long comments; long lists are split over several
 
@@ -42,7 +41,10 @@ def flatten(data: Any, prefix: str = "") -> dict[str, str]:
 
 
 def unflatten(flat: Mapping[str, str], prefix: str) -> Any:
-    """The nested value under `prefix`, the inverse of `flatten`."""
+    """What `flatten` made of the value under `prefix`, nested again.
+
+    Its ends stay text: ``51`` may be a number or a name, which the model that they are validated with knows.
+    """
     tree: dict[str, Any] = {}
     for key, text in flat.items():
         if not key.startswith(prefix + "."):
@@ -53,15 +55,8 @@ def unflatten(flat: Mapping[str, str], prefix: str) -> Any:
             branch = branch.setdefault(parent, {})
             if not isinstance(branch, dict):
                 raise UserError(f"header: {key} stands below a value; only our own files can be made again")
-        branch[leaf] = _value(text)
+        branch[leaf] = text
     return _listed(tree)
-
-
-def _value(text: str) -> Any:
-    try:
-        return json_of(text, "header value")
-    except UserError:
-        return text
 
 
 def _listed(tree: Any) -> Any:

@@ -19,7 +19,7 @@ from gcode.trajectories.trajectory import Trajectory, position_decimals
 
 FeedMode = Literal["G94", "G93"]
 SAFE_START = "G0 G90 G54 G17 G40 G49 G80"
-LEAST_DWELL_S = 0.25  # a shorter standstill is carried into the next move's time
+LEAST_DWELL_S = 0.25  # the axis creeps where it takes less than this for one tick
 
 
 @dataclass(frozen=True)
@@ -88,11 +88,15 @@ def write_program(
     lines = [*header_lines({**about, **(header or {})}), SAFE_START, "G21", feed_mode, "G64"]
     if moves.start_ticks:
         lines.append(f"G0 X{moves.start_ticks / 10**moves.decimals:.{moves.decimals}f}")
-    return sealed("\n".join([*lines, *_body(moves, speed, v_max_mm_per_s, feed_mode), "M30", ""]))
+    # A controller may keep G93 after the end, and the next program's F500 would be 500 moves a minute.
+    end = ["G94"] if feed_mode == "G93" else []
+    return sealed("\n".join([*lines, *_body(moves, speed, v_max_mm_per_s, feed_mode), *end, "M30", ""]))
 
 
 def _moves(trajectory: Trajectory) -> _Moves:
-    """Blocks without moves of length zero: a standstill is a dwell, or time carried into the next move."""
+    """Blocks without moves of length zero: where the axis stands there is a dwell; where it creeps, a tick in several
+    samples, their time is carried into the move of that tick.
+    """
     rate_hz = round(trajectory.rate_hz, 6)
     decimals = position_decimals(rate_hz)
     ticks = np.rint(np.asarray(trajectory.position_mm) * 10**decimals).astype(np.int64)
@@ -101,7 +105,7 @@ def _moves(trajectory: Trajectory) -> _Moves:
     if not len(moved):
         raise UserError("program: the trajectory never moves, there is nothing to write")
     waited = np.diff(moved, prepend=-1) - 1
-    stands = waited >= LEAST_DWELL_S * rate_hz
+    stands = (waited > 0) & ((np.abs(delta[moved]) > 1) | (waited >= LEAST_DWELL_S * rate_hz))
     # Each move is one block, with a dwell block before it where the axis stood still long enough.
     rows = np.arange(len(moved)) + np.cumsum(stands)
     tail = len(delta) - 1 - int(moved[-1])

@@ -15,7 +15,7 @@ from gcode.mach4.writer import FeedMode
 from gcode.programs.made_again import check_file
 from gcode.programs.make import Made, make
 from gcode.support.errors import UserError, first_problem
-from gcode.support.kinds import instance
+from gcode.support.kinds import flag, instance, number
 from gcode.trajectories.bounds import Limits
 from gcode.trajectories.presets import preset
 from gcode.trajectories.protocol import Piece, Protocol
@@ -157,6 +157,7 @@ def check(
     False
     """
     allowed = Limits() if limits is None else instance("limits", limits, Limits)
+    as_foreign = flag("as_foreign", as_foreign)
     others = {"rapid_mm_per_s": rapid_mm_per_s, "longest_dwell_s": longest_dwell_s}
     if isinstance(program, Program):
         from gcode.mach4.check import check_program
@@ -233,14 +234,16 @@ def _changed(
     if unknown := [name for name in limits if name not in Limits.model_fields]:
         raise UserError(f"there is no limit {unknown[0]}; limits are {', '.join(Limits.model_fields)}")
     data = spec.model_dump()
-    data["limits"] |= limits
+    data["limits"] = Limits(**data["limits"] | limits)
     if machine_acceleration_mm_per_s2 is not None:
-        data["machine_acceleration_mm_per_s2"] = machine_acceleration_mm_per_s2
+        data["machine_acceleration_mm_per_s2"] = number(
+            "machine_acceleration_mm_per_s2", machine_acceleration_mm_per_s2
+        )
     if duration_s is not None:
         noises = [piece for piece in data["pieces"] if piece["kind"] == "noise"]
         if len(noises) != 1:
             raise UserError(f"the duration needs a spec with one noise piece, this one has {len(noises)}")
-        noises[0]["duration_s"] = duration_s
+        noises[0]["duration_s"] = number("duration_s", duration_s)
     try:
         return TrajectorySpec.model_validate(data)
     except ValueError as error:

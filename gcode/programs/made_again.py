@@ -47,14 +47,7 @@ def check_file(
     longest_dwell_s: float | None = None,
     as_foreign: bool = False,
 ) -> tuple[CheckResult, Provenance]:
-    """Check the text of a program: where it comes from, and what `gcode.mach4.check.check_program` finds in it.
-
-    Parameters
-    ----------
-    text : str
-    as_foreign : bool
-        Do not hold a program of ours against the recipe in its header.
-    """
+    """Check the text of a program: where it comes from, and what is found in it; see `gcode.check`."""
     program = parse_program(text)
     origin = Provenance(FOREIGN) if as_foreign else provenance(text, program)
     if longest_dwell_s is None and origin.genuine:

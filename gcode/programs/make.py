@@ -96,7 +96,8 @@ class Made:
             if len(self.spec.pieces) == 1:
                 off = zip(NAMES, piece.target.deviations(self.statistics).tolist(), strict=True)
                 missed = ", ".join(f"{name} {value:+.0%}" for name, value in off if abs(value) > MISSED)
-                where = "in so short a motion" if is_short else "at this gauge length and range"
+                limit = "" if self.spec.limits.j_max_mm_per_s3 is None else " within this jerk limit"
+                where = "in so short a motion" if is_short else f"at this gauge length and range{limit}"
                 notes += [f"the target is missed {where}: {missed}"] if missed else []
             reached = (self.statistics.x_max_mm - self.spec.offset_mm) / self.gauge_length_mm * 100.0
             if not is_short and reached < LITTLE_USED * piece.high_percent:
@@ -172,12 +173,6 @@ def places(folder: str | Path) -> list[Path]:
 
 def make(spec: TrajectorySpec, seed: int, gauge_length_mm: float, feed_mode: FeedMode = "G94") -> Made:
     """Plan, write and check a program.
-
-    Returns
-    -------
-    Made
-        ``.trajectory`` is the plan, ``.program`` the text, ``.statistics`` those of the motion as executed by the
-        controller that the spec names, sampled at the spec's rate.
 
     Raises
     ------

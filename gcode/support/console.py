@@ -136,12 +136,13 @@ def _run(args: argparse.Namespace, words: Sequence[str]) -> int:
         return _fail(args.command, first_problem(error))
 
 
-def whole(low: int, high: int) -> Callable[[str], int]:
+def whole(low: int, high: float = float("inf")) -> Callable[[str], int]:
     """argparse type: a whole number from `low` to `high`."""
+    allowed = f"a whole number, {low} or more" if high == float("inf") else f"a whole number from {low} to {high}"
 
     def number(text: str) -> int:
         if not re.fullmatch(r"\d{1,18}", text, re.ASCII) or not low <= int(text) <= high:
-            raise argparse.ArgumentTypeError(f"must be a whole number from {low} to {high}, got {text!r}")
+            raise argparse.ArgumentTypeError(f"must be {allowed}, got {text!r}")
         return int(text)
 
     return number

@@ -49,10 +49,25 @@ class NamedModel(BaseModel):
             super().__init__(**fields)
         except ValidationError as error:
             raise UserError(f"{type(self).__name__}: {first_problem(error)}") from None
+        for where, came in _made_up("", fields, self):
+            raise UserError(f"{type(self).__name__}: {where}: must be a number, got {came!r}")
 
     # As pydantic marks its own: what is validated as a part of something else is not made by a call of `__init__`, so
     # that the error says where in the whole it is.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+
+def _made_up(where: str, given: Any, taken: Any) -> Iterator[tuple[str, Any]]:
+    """Where a number was made of a text, or of a yes or no, as pydantic does; and that text."""
+    if isinstance(given, dict):
+        inside = taken if isinstance(taken, dict) else getattr(taken, "__dict__", {})
+        for name, one in given.items():
+            yield from _made_up(f"{where}.{name}".lstrip("."), one, inside.get(name))
+    elif isinstance(given, list | tuple) and isinstance(taken, list | tuple):
+        for number, (one, other) in enumerate(zip(given, taken, strict=False)):
+            yield from _made_up(f"{where}.{number}", one, other)
+    elif isinstance(given, str | bool) and isinstance(taken, int | float) and type(given) is not type(taken):
+        yield where, given
 
 
 class ExtraIgnored(StrictModel):

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import re
 from typing import Any
+
+from gcode.support.console import whole
+
+natural, count = whole(0), whole(1)  # argparse types
 
 
 def add_recording(parser: argparse.ArgumentParser) -> None:
@@ -106,20 +109,6 @@ def positive(text: str) -> float:
     if not 0 < value < float("inf"):
         raise argparse.ArgumentTypeError(f"must be a positive number, got {text!r}")
     return value
-
-
-def natural(text: str) -> int:
-    """argparse type: a whole number, 0 or more."""
-    if not re.fullmatch(r"\d{1,18}", text, re.ASCII):
-        raise argparse.ArgumentTypeError(f"must be a whole number, 0 or more, got {text!r}")
-    return int(text)
-
-
-def count(text: str) -> int:
-    """argparse type: a whole number, 1 or more."""
-    if natural(text) < 1:
-        raise argparse.ArgumentTypeError(f"must be 1 or more, got {text!r}")
-    return int(text)
 
 
 def add_rest(parser: argparse.ArgumentParser, several: str = "") -> None:

@@ -15,9 +15,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     parser.add_argument("spec", metavar="SPEC.toml", help="sensors, programs and seeds; see docs/datasets.md")
     parser.add_argument("-o", "--output", dest="out", required=True, metavar="DIR", help="folder for the campaigns")
-    parser.add_argument(
-        "--backend", choices=["loky", "dask"], default="loky", help="processes here, or a Dask cluster"
-    )
     parser.add_argument("--workers", type=processes, default=-1, metavar="N", help="processes (default: one a core)")
     parser.add_argument("--effects", metavar="FILE", help=f"the effects that the spec names. {EFFECTS_HELP}")
     parser.add_argument(
@@ -27,17 +24,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="campaign folders with a CSV each (default); parquet: beside them Parquet files, split by specimen, "
         "with Croissant metadata",
     )
-    parser.add_argument("--scheduler", metavar="ADDRESS", help="of the Dask cluster, e.g. tcp://10.0.0.5:8786")
+    parser.add_argument(
+        "--scheduler", metavar="ADDRESS", help="of a Dask cluster that does the work: tcp://HOST:8786"
+    )
 
 
 def run(args: argparse.Namespace) -> int:
     import time
 
-    from gcode.support.errors import UserError
     from testbench.api.files.datasets import dataset
 
-    if (args.backend == "dask") != bool(args.scheduler):
-        raise UserError("--backend dask and --scheduler ADDRESS belong together")
     start_s = time.monotonic()
     made = dataset(
         args.spec,

@@ -151,7 +151,7 @@ class _Weigher:
     def __call__(self, trajectory: Trajectory) -> Information | None:
         ahead = following(self.history, trajectory, self.bounds.gauge_length_mm, self.rest_s)
         expected = [one.expect(ahead) for one in self.forecasters]
-        if any(top > self.max_force_N for _, (_, top) in expected):
+        if any(top_N > self.max_force_N for _, top_N in expected):
             return None
         if not all(np.all(np.isfinite(p.mean)) and np.all(np.isfinite(p.factor)) for p, _ in expected):
             return None

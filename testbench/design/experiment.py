@@ -88,7 +88,7 @@ def propose(
     Raises
     ------
     UserError
-        If the rivals are fewer than two or the same, or no protocol keeps the limits.
+        If two rivals are the same, or no protocol keeps the limits.
     """
     _check(rivals, noise)
     options = []
@@ -106,8 +106,6 @@ def propose(
 
 
 def _check(rivals: Sequence[Rival], noise: Noise) -> None:
-    if len(rivals) < 2:
-        raise UserError(f"an experiment needs at least two rival models, got {len(rivals)}")
     for one, other in itertools.combinations(rivals, 2):
         if one.model.to_dict() == other.model.to_dict():
             raise UserError(f"{one.name} and {other.name} are the same model; give two rival hypotheses")

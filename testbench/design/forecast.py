@@ -90,8 +90,8 @@ class Forecaster:
         value, vector = np.linalg.eigh(rows @ rows.T)
         self._spread = width[:, None] * vector / np.sqrt(1.0 + np.maximum(value, 0.0))
 
-    def expect(self, measurement: Measurement) -> tuple[Prediction, tuple[float, float]]:
-        """What is expected of the counting samples, and the motion's least and largest force in N (NaN: none).
+    def expect(self, measurement: Measurement) -> tuple[Prediction, float]:
+        """What is expected of the counting samples, and the motion's largest force in N, either way (NaN: none).
 
         Parameters
         ----------
@@ -103,8 +103,7 @@ class Forecaster:
         value, vector = np.linalg.eigh(factor.T @ factor)
         begin = int(np.searchsorted(measurement.signals["time_s"], (0.0, *measurement.begins_s)[-1] - 1e-9))
         force_N = modelled[FORCE_CHANNEL][begin:] if FORCE_CHANNEL in modelled else np.array([np.nan])
-        extremes = float(force_N.min()), float(force_N.max())
-        return Prediction(mean, factor @ vector[:, value > NEGLIGIBLE]), extremes
+        return Prediction(mean, factor @ vector[:, value > NEGLIGIBLE]), float(np.abs(force_N).max())
 
     def _linearised(self, measurement: Measurement, news: float) -> tuple[FloatArray, FloatArray, _Modelled]:
         """Means and sensitivities over the noise, channels in a row, shapes (m,) and (p, m); and what is read.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -123,11 +124,6 @@ def _in_time(name: str, bounds: Bounds, share: float, seed: int) -> Made | None:
     return None
 
 
-def _check(bounds: Bounds) -> None:
-    check_duration("duration_s", bounds.duration_s)
-    _check_stroke(bounds)
-
-
 def check_duration(name: str, duration_s: float) -> None:
     """Refuse an experiment that is too short for the designs, or longer than a day; `name` is what it was said by."""
     if not SHORTEST_EXPERIMENT_S <= duration_s <= LONGEST_EXPERIMENT_S:
@@ -135,7 +131,8 @@ def check_duration(name: str, duration_s: float) -> None:
         raise UserError(f"{name}: an experiment takes {span}, got {duration_s / 60:g} min")
 
 
-def _check_stroke(bounds: Bounds) -> None:
+def _check(bounds: Bounds) -> None:
+    check_duration("duration_s", bounds.duration_s)
     stroke_s = bounds.stroke_mm / max(bounds.fast_mm_per_s, 1e-300)
     if SHORTEST_STROKE_S <= stroke_s <= bounds.duration_s / 2:
         return
@@ -196,12 +193,11 @@ def _fast_noise(bounds: Bounds) -> list[Piece]:
     return [_random(bounds, shape)]
 
 
-def _random(bounds: Bounds, shape: Mapping[str, float | int]) -> Noise:
-    data = {"duration_s": bounds.duration_s - APPROACHES_S, "high_percent": bounds.strain_max_percent, **shape}
-    return Noise.model_validate(data)
+def _random(bounds: Bounds, shape: Mapping[str, Any]) -> Noise:
+    return Noise(duration_s=bounds.duration_s - APPROACHES_S, high_percent=bounds.strain_max_percent, **shape)
 
 
-def _pace(bounds: Bounds, cells_per_s: float) -> dict[str, float | int]:
+def _pace(bounds: Bounds, cells_per_s: float) -> dict[str, Any]:
     # Noise crosses about the whole stroke in a cell: slower cells where the speed limit would not allow it.
     slowest = 0.5 * bounds.fast_mm_per_s / bounds.stroke_mm
     return {"octaves": 2, "persistence": 0.12, "cells_per_s": min(cells_per_s, slowest), "peak": 0.7}

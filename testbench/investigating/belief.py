@@ -3,44 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import logsumexp
 
-from testbench.design.forecast import Likely, Reading
 from testbench.diagnosis.judging.probabilities import NOTHING, UNKNOWN, mixed_with_prior, prior_of
 from testbench.diagnosis.judging.put_in import whole_of
-from testbench.diagnosis.judging.rounds import Round, Verdict
+from testbench.diagnosis.judging.rounds import Round
 from testbench.diagnosis.searching.search import searched
 from testbench.fitting import constants
 from testbench.fitting.evidence.hypothesis import Hypothesis
+from testbench.investigating.state import BeliefState, LikelyState
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
 
 RIVALS, LEAST = 4, 1e-3  # hypotheses that a motion is designed to separate; least probability of one
-
-
-@dataclass(frozen=True, eq=False)
-class Belief:
-    """What is believed after some recordings.
-
-    Attributes
-    ----------
-    probabilities : mapping
-        Of ``nothing``, ``unknown`` and every mechanism, in the mean over the errors of the evidences; they sum to 1.
-    verdict : {"missing", "nothing_missing", "unknown"}
-    likely : tuple of Likely
-        The models of what is still likely, the most probable first; two at least where two were fitted.
-    reading : Reading
-        How much the next recording will count.
-    """
-
-    probabilities: Mapping[str, float]
-    verdict: Verdict
-    likely: tuple[Likely, ...]
-    reading: Reading
 
 
 def belief_after(
@@ -50,8 +28,10 @@ def belief_after(
     start: KnitModel | None = None,
     most: int = 1,
     tell: Callable[[str], None] | None = None,
-) -> Belief:
+) -> BeliefState:
     """Diagnose a measurement that consists of `runs` recordings; each of them has its own independent pieces.
+
+    The probabilities of ``nothing``, ``unknown`` and every mechanism are means over the errors of the evidences.
 
     Parameters
     ----------
@@ -69,9 +49,14 @@ def belief_after(
     first = rounds[0]
     whole = whole_of(rounds, put_in)
     verdict = first.verdict(whole)
-    probabilities = first.probabilities(whole if verdict == "missing" else None)
-    return Belief(
-        probabilities, verdict, _likely(first, probabilities), Reading(_noise(first), constants.INDEPENDENT)
+    probabilities = dict(first.probabilities(whole if verdict == "missing" else None))
+    return BeliefState(
+        probabilities=probabilities,
+        own=probabilities,
+        verdict=verdict,
+        noise=_noise(first),
+        pieces=constants.INDEPENDENT,
+        likely=_likely(first, probabilities),
     )
 
 
@@ -120,16 +105,16 @@ def _noise(first: Round) -> dict[str, float]:
     return {c: float(max(sigma, first.likelihood.misfit[c])) for c, sigma in best.evidence.sigma.items()}
 
 
-def _likely(first: Round, probabilities: Mapping[str, float]) -> tuple[Likely, ...]:
+def _likely(first: Round, probabilities: Mapping[str, float]) -> list[LikelyState]:
     """The best model of each hypothesis that has one; *unknown* has none that could foretell a recording."""
-    found = {NOTHING: _as_likely(NOTHING, probabilities[NOTHING], first.before.hypothesis)}
-    for entry in sorted(first.entries, key=lambda e: e.log_z):
-        found[entry.mechanism] = _as_likely(entry.mechanism, probabilities[entry.mechanism], entry.hypothesis)
-    ranked = sorted(found.values(), key=lambda one: -one.probability)
-    return tuple(one for k, one in enumerate(ranked[:RIVALS]) if k < 2 or one.probability >= LEAST)
+    found = {NOTHING: first.before.hypothesis}
+    found |= {entry.mechanism: entry.hypothesis for entry in sorted(first.entries, key=lambda e: e.log_z)}
+    ranked = sorted(found, key=lambda name: -probabilities[name])[:RIVALS]
+    kept = [name for k, name in enumerate(ranked) if k < 2 or probabilities[name] >= LEAST]
+    return [_as_likely(name, probabilities[name], found[name]) for name in kept]
 
 
-def _as_likely(name: str, probability: float, h: Hypothesis) -> Likely:
+def _as_likely(name: str, chance: float, h: Hypothesis) -> LikelyState:
     model = h.model_in_use
     scales = {group: float(scale) for group, scale in h.scales.items() if group.partition(".")[0] in model}
-    return Likely(name, probability, model, scales)
+    return LikelyState(name=name, chance=chance, model=model.to_dict(), scales=scales)

@@ -15,15 +15,13 @@ from testbench.design.best_motion import best_motion
 from testbench.design.compositions import SURVEY, in_words, motion_of
 from testbench.design.protocols import NOISE, menu
 from testbench.investigating.alarms import after_alarm, is_alarmed, set_aside
-from testbench.investigating.belief import Belief, belief_after, doubted, over_specimens
+from testbench.investigating.belief import belief_after, doubted, over_specimens
 from testbench.investigating.benches import Bench, Order, now_s
 from testbench.investigating.state import (
     NAME,
     SPENT,
     SURE,
-    BeliefState,
     Investigation,
-    LikelyState,
     RunState,
     Settings,
     load_investigation,
@@ -237,22 +235,7 @@ class _Loop:
         runs = 1 if fresh else number
         tell = self.watcher.tell
         found = belief_after(self._measured(), runs, self.catalogue, self.start, settings.effects_at_most, tell)
-        own = [run.belief.own for run in self.state.runs if run.belief is not None] + [dict(found.probabilities)]
+        own = [run.belief.own for run in self.state.runs if run.belief is not None] + [found.own]
         together = doubted([over_specimens(own[: k + 1]) for k in range(len(own))] if fresh else own)
-        self._keep_run(belief=_kept(found, together))
+        self._keep_run(belief=found.told_as(together))
         self.watcher.judged(self.state)
-
-
-def _kept(found: Belief, together: dict[str, float]) -> BeliefState:
-    likely = [
-        LikelyState(name=one.name, chance=together[one.name], model=one.model.to_dict(), scales=dict(one.scales))
-        for one in found.likely
-    ]
-    return BeliefState(
-        probabilities=together,
-        own=dict(found.probabilities),
-        verdict=found.verdict,
-        noise=dict(found.reading.noise),
-        pieces=found.reading.pieces,
-        likely=likely,
-    )

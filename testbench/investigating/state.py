@@ -109,8 +109,16 @@ class BeliefState(StrictModel):
 
     Attributes
     ----------
+    probabilities : mapping
+        Of ``nothing``, ``unknown`` and every mechanism; they sum to 1.
     own : mapping
-        What this run's recording says alone, where each run has a fresh specimen; else as `probabilities`.
+        What the evidence says of this run's recording alone, where each run has a fresh specimen; else of all.
+    noise : mapping
+        What the best model leaves in each channel, in N or in ln S.
+    pieces : float
+        Independent pieces of one recording, at most.
+    likely : list
+        The models of what is still likely, the most probable first; two at least where two were fitted.
     """
 
     probabilities: dict[Label, Chance] = Field(min_length=1, max_length=1000)
@@ -132,6 +140,11 @@ class BeliefState(StrictModel):
     def top(self) -> tuple[str, float]:
         """The most probable hypothesis and its probability."""
         return max(self.probabilities.items(), key=lambda one: one[1])
+
+    def told_as(self, probabilities: dict[str, float]) -> BeliefState:
+        """The same with other probabilities: those of all recordings, less what is doubted in them."""
+        likely = [one.model_copy(update={"chance": probabilities[one.name]}) for one in self.likely]
+        return self.model_copy(update={"probabilities": probabilities, "likely": likely})
 
     def rivals(self, catalogue: Catalogue, source: str) -> list[Likely]:
         """The models of what is still likely."""

@@ -7,6 +7,8 @@ import pytest
 
 import gcode
 from gcode.mach4.header import flatten, header_lines, unflatten
+from gcode.mach4.reader import read_program
+from gcode.programs.make import make_again
 from gcode.support.errors import UserError
 from gcode.trajectories.designed import (
     Hold,
@@ -65,6 +67,12 @@ def test_what_a_jerk_limit_takes_from_a_stroke_is_noted():
     assert gcode.generate(triangle, seed=1).notes() == []
     (note,) = gcode.generate(triangle, seed=1, j_max_mm_per_s3=20).notes()
     assert note == "5 mm are asked for, of which the jerk limit leaves 4.1 mm"
+
+
+def test_a_target_that_a_jerk_limit_takes_away_is_told_as_such():
+    """It was laid at the door of the gauge length and the range alone."""
+    (note, *_) = gcode.generate("paper-1", 3, duration_s=400, j_max_mm_per_s3=60).notes()
+    assert note.startswith("the target is missed at this gauge length and range within this jerk limit: a_mean")
 
 
 def test_a_jerk_limit_that_is_too_low_is_told_in_the_numbers_that_were_given():
@@ -166,3 +174,31 @@ def test_a_bad_spec_names_file_and_field(tmp_path, text, match):
 def test_amplitudes_must_match_the_frequencies():
     with pytest.raises(UserError, match="as many as frequencies_hz"):
         Multisine(duration_s=1, frequencies_hz=(0.1, 0.2), amplitudes=(1.0,))
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda odd: gcode.Limits(v_max_mm_per_s=odd),
+        lambda odd: gcode.Machine(look_ahead_blocks=odd),
+        lambda odd: gcode.RateSweep(speeds_mm_per_s=(1, odd)),
+        lambda odd: gcode.TrajectorySpec(pieces=(gcode.Hold(duration_s=1),), limits={"v_max_mm_per_s": odd}),
+        lambda odd: gcode.TrajectorySpec(pieces=[{"kind": "hold", "duration_s": odd}]),
+        lambda odd: gcode.generate(gcode.Ramp(to_percent=1, speed_mm_per_s=1), 1, v_max_mm_per_s=odd),
+        lambda odd: gcode.generate(gcode.Ramp(to_percent=1, speed_mm_per_s=1), 1, machine_acceleration_mm_per_s2=odd),
+        lambda odd: gcode.generate("paper-1", 1, duration_s=odd),
+    ],
+)
+@pytest.mark.parametrize("odd", ["5", True])
+def test_no_number_is_made_of_a_text_or_of_a_yes(call, odd):
+    with pytest.raises(UserError, match="must be a number, got"):
+        call(odd)
+
+
+@pytest.mark.parametrize("name", ["51", "true", "1e5"])
+def test_a_name_that_looks_like_a_number_is_made_again_from_the_header(name):
+    """It became a number on the way, so that the program was refused by its own check."""
+    spec = TrajectorySpec.of(gcode.Ramp(to_percent=1, speed_mm_per_s=1), name=name)
+    made = gcode.generate(spec, 1)
+    assert gcode.check(made).ok
+    assert make_again(read_program(made.program)).program == made.program

@@ -38,11 +38,9 @@ def index_problems(out: Path) -> tuple[list[Path], list[str]]:
         there.append(folder)
         if sha256_of(folder / manifest.NAME) != entry.manifest_sha256:
             found.append(f"{folder / manifest.NAME}: not the one that {INDEX} lists; run `testbench dataset` again")
-    for folder in sorted(path.parent for path in out.glob(f"*/{manifest.NAME}")):
-        if folder not in there:
-            there.append(folder)
-            found.append(f"{folder}: {INDEX} does not list it; move it away, or name its seed in the data set's spec")
-    return there, found
+    others = sorted({path.parent for path in out.glob(f"*/{manifest.NAME}")} - set(there))
+    unlisted = f"{INDEX} does not list it; move it away, or name its seed in the data set's spec"
+    return [*there, *others], [*found, *(f"{folder}: {unlisted}" for folder in others)]
 
 
 def is_campaign(out: Path) -> bool:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from itertools import product
@@ -48,8 +49,13 @@ class Task:
     def plan(self) -> Plan:
         """The plan of the campaign, from which its manifest is written."""
         model = model_from_dict(self.model, _catalogue(self.effects), self.sensor)
-        gauge, tools = self.gauge_length_mm, self.instruments
-        return Plan(self.program, model, gauge, self.seed, self.sensor, tools, self.past, self.rest_s, self.effects)
+        gauge, tools, seed = self.gauge_length_mm, self.instruments, self.rig_seed
+        return Plan(self.program, model, gauge, seed, self.sensor, tools, self.past, self.rest_s, self.effects)
+
+    @property
+    def rig_seed(self) -> int:
+        """Of its noise and sampling times, which no other campaign has: none of a test were there in training."""
+        return int.from_bytes(hashlib.sha256(f"{self.folder.name} {self.seed}".encode()).digest()[:6])
 
 
 def tasks_of(spec: DatasetSpec, base: Path, out: Path, effects: Path | None = None) -> list[Task]:
@@ -72,7 +78,10 @@ def tasks_of(spec: DatasetSpec, base: Path, out: Path, effects: Path | None = No
     _catalogue(own)  # a file without effects is refused, whether or not a sensor asks for them
     models = {sensor: _model(sensor, base, own) for sensor in spec.sensors}
     kept = {sensor: effects_kept(model, own) for sensor, model in models.items()}
-    programs = _planned(spec, base, out) if spec.trajectory else _found(spec.programs, base)
+    if spec.trajectory:
+        programs = _planned(spec.trajectory, spec.gauge_length_mm, base, out)
+    else:
+        programs = _found(spec.programs, base)
     for program in programs:
         motion_of(program, spec.gauge_length_mm)
     count = len(models) * len(programs) * len(spec.seeds)
@@ -82,11 +91,11 @@ def tasks_of(spec: DatasetSpec, base: Path, out: Path, effects: Path | None = No
     for (sensor, model), (order, program), seed in product(models.items(), enumerate(programs), spec.seeds):
         past = tuple(programs[:order]) if spec.same_sensor else ()
         name = f"{Path(sensor).stem}-{program.stem}-{seed:05d}"
-        drawn = varied(model, spec.vary, seed).to_dict()
-        folder = out.absolute() / name
-        gauge = spec.gauge_length_mm
         # Where parameters are drawn by the seed, each seed is a specimen of its own.
         specimen = f"{Path(sensor).stem}#{seed}" if spec.vary else Path(sensor).stem
+        drawn = varied(model, spec.vary, specimen).to_dict()
+        folder = out.absolute() / name
+        gauge = spec.gauge_length_mm
         tools, mine = spec.instruments, kept[sensor]
         made.append(Task(folder, program, sensor, drawn, gauge, seed, tools, past, spec.rest_s, mine, specimen))
     if len({task.folder for task in made}) < len(made):
@@ -94,16 +103,16 @@ def tasks_of(spec: DatasetSpec, base: Path, out: Path, effects: Path | None = No
     return made
 
 
-def varied(model: KnitModel, ranges: dict[str, tuple[float, float]], seed: int) -> KnitModel:
-    """The model with the parameters in `ranges` drawn uniformly, by `seed`; each by its own stream."""
+def varied(model: KnitModel, ranges: dict[str, tuple[float, float]], specimen: str) -> KnitModel:
+    """The model with the parameters in `ranges` drawn uniformly, by the specimen's name; each by its own stream."""
     drawn = {}
     for address, (low, high) in ranges.items():
-        stream = np.random.default_rng([seed, *address.encode()])
+        stream = np.random.default_rng(list(f"{specimen} {address}".encode()))
         drawn[address] = float(stream.uniform(low, high))
     try:
         return model.with_parameters(drawn) if drawn else model
     except ValueError as error:
-        raise UserError(f"vary, seed {seed}: {error}") from None
+        raise UserError(f"vary, {specimen}: {error}") from None
 
 
 @cache
@@ -137,22 +146,19 @@ def _found(patterns: Sequence[str], base: Path) -> list[Path]:
     return found
 
 
-def _planned(spec: DatasetSpec, base: Path, out: Path) -> list[Path]:
-    refuse_links([out / PROGRAMS], "choose another place")
-    folder = make_folder(out / PROGRAMS).absolute()
-    assert spec.trajectory is not None
-    return list(_programs(spec.trajectory, spec.gauge_length_mm, base, folder))
-
-
-def _programs(wish: TrajectoryWish, gauge_length_mm: float, base: Path, folder: Path) -> Iterator[Path]:
+def _planned(wish: TrajectoryWish, gauge_length_mm: float, base: Path, out: Path) -> list[Path]:
     from gcode.programs.api import generate
     from gcode.trajectories.presets import preset as motion_preset
     from gcode.trajectories.toml_spec import read_spec
 
     given = motion_preset(wish.preset) if wish.preset else read_spec(base / str(wish.spec))
+    folder = (out / PROGRAMS).absolute()
+    refuse_links([folder], "choose another place")
+    paths = []
     for seed in wish.seeds:
         made = generate(given, seed, gauge_length_mm, duration_s=wish.duration_s)
-        path = folder / f"{made.spec.name}-{seed:05d}.tap"
+        path = make_folder(folder) / f"{made.spec.name}-{seed:05d}.tap"
         if not path.is_file() or strict.read_bytes(path, "program") != made.program.encode():
             write_text(path, made.program)
-        yield path
+        paths.append(path)
+    return paths

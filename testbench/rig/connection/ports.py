@@ -21,7 +21,7 @@ ALLOWED = "a device such as /dev/ttyUSB0, or socket://HOST:PORT, or rfc2217://HO
 
 
 def stated_port(url: str) -> str:
-    """The port that a person named on the command line, if it is one of ours.
+    """The port that a person named, if it is one of ours; a device by a path that means it in any folder.
 
     Raises
     ------
@@ -31,7 +31,7 @@ def stated_port(url: str) -> str:
     if not isinstance(url, str) or not url:
         raise UserError(f"port: must be {ALLOWED}, got {url!r}")
     if "://" not in url:
-        return url
+        return str(Path(url).absolute())
     kind, _, rest = url.partition("://")
     try:
         host, number = urlsplit(url).hostname, urlsplit(url).port

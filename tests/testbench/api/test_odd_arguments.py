@@ -112,3 +112,17 @@ def test_an_investigation_that_is_asked_for_words_leaves_no_folder(odd, tmp_path
 def test_the_name_of_a_law_is_a_text():
     with pytest.raises(tb.UserError, match="name must be of the class str, got int"):
         tb.propose(tb.example(duration_s=20), name=3)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("odd", ["3", True])
+def test_a_limit_among_the_bounds_is_no_text_either(odd, tmp_path):
+    with pytest.raises(tb.UserError, match=f"Settings: bounds.strain_max_percent: must be a number, got {odd!r}"):
+        tb.investigate(tb.baseline(), tmp_path / "i", bounds={"strain_max_percent": odd})
+
+
+@pytest.mark.parametrize("name", ["max_force_N", "rest_s", "seed", "trials", "gauge_length_mm"])
+@pytest.mark.parametrize("odd", ["3", True])
+def test_an_investigation_makes_no_number_of_a_text_or_of_a_yes(name, odd, tmp_path):
+    with pytest.raises(tb.UserError, match=f"Settings: {name}: must be a number, got {odd!r}"):
+        tb.investigate(tb.baseline(), tmp_path / "i", **{name: odd})
+    assert not (tmp_path / "i").exists()

@@ -161,8 +161,19 @@ def test_the_force_of_a_motion_is_not_that_of_what_came_before(designed):
     measured, likely, _ = designed
     gentle = Trajectory(np.arange(801) / 20, 0.5 * np.abs(np.sin(np.arange(801) / 100)))
     ahead = following(measured, gentle, BOUNDS.gauge_length_mm, 10.0)
-    _, (_, top_N) = Forecaster(likely[0], measured, READING).expect(ahead)
+    _, top_N = Forecaster(likely[0], measured, READING).expect(ahead)
     assert top_N < 0.3 * float(np.max(measured.measured["force"]))
+
+
+def test_a_force_counts_either_way(designed):
+    """A recording stops beyond its limit, whether pulled or pushed."""
+    measured, likely, _ = designed
+    push = Trajectory(np.arange(801) / 20, -2.5 * np.abs(np.sin(np.arange(801) / 100)))
+    forecaster = Forecaster(likely[0], measured, READING)
+    force_N = likely[0].model.simulate(following(measured, push, BOUNDS.gauge_length_mm, None).signals, measured.dt_s)
+    assert force_N["force_N"].max() < 0.5 * np.abs(force_N["force_N"]).max()
+    _, top_N = forecaster.expect(following(measured, push, BOUNDS.gauge_length_mm, None))
+    assert top_N == pytest.approx(np.abs(force_N["force_N"]).max(), rel=0.01)
 
 
 def test_in_a_rest_the_strain_goes_to_where_the_motion_begins(designed):

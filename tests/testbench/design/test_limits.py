@@ -8,7 +8,9 @@ import re
 import pytest
 
 import testbench as tb
+from gcode.support.errors import UserError
 from testbench.design.limits import ALLOWED, bounds_with
+from testbench.design.protocols import MENU, Bounds
 from tests.testbench.investigating.samples import asked
 
 STRANGE = "bounds: allowed are v_max_mm_per_s, a_max_mm_per_s2, strain_max_percent, duration_s; got speed"
@@ -44,3 +46,9 @@ def test_a_duration_beside_run_minutes_is_not_dropped_in_silence(bounds, tmp_pat
 def test_the_force_has_one_limit_by_one_name():
     for public in (tb.record, tb.investigate):
         assert "max_force_N" in inspect.signature(public).parameters
+
+
+def test_a_protocol_that_has_no_room_in_a_short_run_is_left_out():
+    """Its random motion would have lasted less than nothing, which ended the whole design in a traceback."""
+    with pytest.raises(UserError, match="Noise: duration_s"):
+        MENU["mix"](Bounds(duration_s=33))

@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from testbench.design.forecast import Likely, Reading
 from testbench.fitting import constants
 from testbench.investigating import loop
-from testbench.investigating.belief import Belief
 from testbench.investigating.benches import SimulatedBench
-from testbench.investigating.state import Investigation, Settings
+from testbench.investigating.state import BeliefState, Investigation, LikelyState, Settings
 from tests.testbench.builders import CATALOGUE, NOISE_LN, NOISE_N, truth
 
-READING = Reading({"force": NOISE_N, "conductance": NOISE_LN}, 30)
 SET, SLIP = "permanent_set", "clamp_slip"
 
 
@@ -33,13 +30,17 @@ class Believing:
     def __init__(self, *chances: float) -> None:
         self.chances, self.asked = list(chances), []
 
-    def __call__(self, measurement, runs, catalogue, start=None, most=1, tell=None) -> Belief:
+    def __call__(self, measurement, runs, catalogue, start=None, most=1, tell=None) -> BeliefState:
         chance = self.chances[len(self.asked)]
         self.asked.append((runs, measurement))
         models = (hidden(), truth().plus(CATALOGUE["clamp_slip_sliding"]()))
         shares = {SET: chance, SLIP: 0.9 * (1 - chance), "unknown": 0.1 * (1 - chance)}
-        likely = tuple(Likely(name, shares[name], model) for name, model in zip((SET, SLIP), models, strict=True))
-        return Belief(shares, "missing", likely, READING)
+        likely = [
+            LikelyState(name=name, chance=shares[name], model=model.to_dict(), scales={})
+            for name, model in zip((SET, SLIP), models, strict=True)
+        ]
+        noise = {"force": NOISE_N, "conductance": NOISE_LN}
+        return BeliefState(probabilities=shares, own=shares, verdict="missing", noise=noise, pieces=30, likely=likely)
 
 
 def scripted_belief(monkeypatch, *chances: float) -> Believing:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -70,7 +69,7 @@ def test_where_one_model_alone_is_left_a_random_motion_goes_on(tmp_path, monkeyp
 
     def of_one_model(*given):
         belief = believing(*given)
-        return replace(belief, likely=belief.likely[:1])
+        return belief.model_copy(update={"likely": belief.likely[:1]})
 
     monkeypatch.setattr(loop, "belief_after", of_one_model)
     loop.begin(tmp_path / "i", asked(), "sample")

@@ -234,3 +234,9 @@ def test_what_is_said_once_more_as_it_was_is_no_contradiction(recorded):
     (recorded / "other.tap").write_text("G90\n")
     with pytest.raises(UserError, match="program: this recording goes on as it began"):
         check_as_begun(recorded, {}, str(recorded / "other.tap"))
+
+
+def test_a_relative_port_is_remembered_by_a_path_that_holds_in_any_folder(tmp_path, monkeypatch):
+    """`--resume` from another folder did not open a link that was named from the folder of the first run."""
+    monkeypatch.chdir(tmp_path)
+    assert stated_port("lnk") == str(tmp_path / "lnk")
