@@ -105,6 +105,7 @@ class Compensator(RegressorMixin, BaseEstimator):
             If a parameter is none of those allowed, X and y do not fit or are in odd units, or a recording has a
             single row.
         """
+        self.__dict__.pop("compensator_", None)  # where this fit fails, nothing is fitted
         self._check_parameters()
         X, y = validate_data(self, X, y, dtype=np.float64, y_numeric=True, ensure_min_samples=2)
         for name, values in (("X", X), ("y", y)):
@@ -122,8 +123,7 @@ class Compensator(RegressorMixin, BaseEstimator):
         self._why_ridge = self._reason_for_ridge(X, y)
         if self._why_ridge and self.method != RIDGE:
             warnings.warn(f"learned by ridge, not by {self.method}: {self._why_ridge}", stacklevel=2)
-        self.compensator_: TrainedCompensator | None = None
-        self._ridge: _Ridge | None = None
+        learned, self._ridge = None, None
         if self._why_ridge:
             self._ridge = _Ridge(X, y, parts.values(), self.rate_hz)
         else:
@@ -131,8 +131,12 @@ class Compensator(RegressorMixin, BaseEstimator):
                 Series(np.arange(len(rows)) / self.rate_hz, X[rows, 0], y[rows], "fit") for rows in parts.values()
             ]
             options = Options(seed=int(self.seed), rate_hz=float(self.rate_hz))
-            self.compensator_ = METHODS[self.method](series, self.target, options)
+            learned = METHODS[self.method](series, self.target, options)
+        self.compensator_: TrainedCompensator | None = learned
         return self
+
+    def __sklearn_is_fitted__(self) -> bool:
+        return hasattr(self, "compensator_")
 
     def predict(self, X: Any, groups: Any = None) -> FloatArray:
         """Predict each recording from its first row on, as `stream` does: shape (n,), in the unit of y."""
