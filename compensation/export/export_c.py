@@ -10,7 +10,7 @@ import numpy as np
 from compensation.engines.network import Network
 from compensation.export.c_template import HEADER
 from compensation.export.chip_cost import cost
-from compensation.memories.ema import log_retention, start_samples
+from compensation.memories.ema import log_retention, start_steps
 from compensation.model.compensator import Fitted, TrainedCompensator, trained
 from compensation.model.runtime import (
     LARGEST_CONDUCTANCE_S,
@@ -121,7 +121,7 @@ def _tables(compensator: TrainedCompensator, networks: Sequence[Network]) -> Ite
     yield "inputs_high", seen.inputs_high + slack
     yield "alpha", compensator.alphas
     yield "log_keep", log_retention(compensator.alphas)
-    yield "start_steps", start_samples(compensator.alphas, compensator.rate_hz) - 0.5
+    yield "start_steps", start_steps(compensator.alphas, compensator.rate_hz)
     ends = np.cumsum([len(compensator.alphas), len(history.motion_taus_s)])
     kinds = ("", "motion_", "play_")
     for kind, gain, offset in zip(kinds, np.split(begin.gain, ends), np.split(begin.offset, ends), strict=True):

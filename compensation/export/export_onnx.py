@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from compensation.memories.ema import log_retention, start_samples
+from compensation.memories.ema import log_retention, start_steps
 from compensation.model.compensator import Fitted, TrainedCompensator, trained
 from compensation.model.runtime import (
     LARGEST_CONDUCTANCE_S,
@@ -207,7 +207,7 @@ def _features(graph: _Graph, compensator: TrainedCompensator) -> tuple[str, str,
     forced = graph("Where", later, graph("Add", x, moved), "forced", out="fresh_forced")
     fading = graph("Mul", "fading", keep, out="fresh_fading")
     elapsed = graph("Add", "elapsed", steps, out="fresh_elapsed")
-    lengths = start_samples(compensator.alphas, compensator.rate_hz) - 0.5
+    lengths = start_steps(compensator.alphas, compensator.rate_hz)
     early = graph("Less", elapsed, graph.constant("start_steps", lengths))
     starting = graph("Number", graph("Or", early, graph("Equal", "seen", "zero")))
     sums = graph("Add", "sums", graph("Mul", starting, x), out="fresh_sums")

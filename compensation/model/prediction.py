@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compensation.engines.network import mean_output
-from compensation.memories.ema import start_samples
+from compensation.memories.ema import start_steps
 from compensation.model.compensator import Fitted, TrainedCompensator, trained
 from compensation.model.runtime import (
     LARGEST_CONDUCTANCE_S,
@@ -174,7 +174,7 @@ def _run(
     status = np.where((reading < seen.low) | (reading > seen.high), int(Status.UNSEEN_READING), 0)
     outside = ((features < seen.inputs_low) | (features > seen.inputs_high)).any(axis=1)
     status[outside] |= int(Status.UNSEEN_HISTORY)
-    longest = start_samples(compensator.alphas, compensator.rate_hz).max() - 0.5
+    longest = start_steps(compensator.alphas, compensator.rate_hz).max()
     status[(time_s - time_s[0]) * compensator.rate_hz < longest] |= int(Status.STARTING)
     return compensator.scaling_out.invert(mean_output(compensator.networks, features)), status
 

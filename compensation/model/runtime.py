@@ -20,7 +20,7 @@ from enum import IntFlag
 
 import numpy as np
 
-from compensation.memories.ema import start_samples
+from compensation.memories.ema import start_steps
 from compensation.model.compensator import Beginning, Seen, TrainedCompensator
 from compensation.series.preprocessing import Series
 from gcode.support.arrays import FloatArray
@@ -130,8 +130,7 @@ def _expected_memories(
 ) -> Beginning:
     """Regression of every memory on the mean of the reading over as long as its start is taken from."""
     lasting = np.zeros(compensator.input_count)
-    # As `smooth` counts: M samples of the bank's rate last M - 0.5 steps.
-    lasting[: len(compensator.alphas)] = start_samples(compensator.alphas, compensator.rate_hz) - 0.5
+    lasting[: len(compensator.alphas)] = start_steps(compensator.alphas, compensator.rate_hz)
     steps = [(part.time_s - part.time_s[0]) * compensator.rate_hz for part in series]
     gains, offsets = np.zeros(compensator.input_count), np.zeros(compensator.input_count)
     for column, long in enumerate(lasting):

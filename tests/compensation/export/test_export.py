@@ -103,6 +103,13 @@ def test_c_header_compiled_equals_python(compensator, recordings, tmp_path, irre
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc on this machine")
+@pytest.mark.parametrize("rate_hz", [40.0, 200.0])
+def test_c_header_equals_python_where_a_sample_falls_between_two_steps(compensator, recordings, tmp_path, rate_hz):
+    """A filter's start ended just there, so that rounding decided which samples it was the mean of."""
+    assert_c_equals_python(compensator, recordings[2].between(0, 40).resampled(rate_hz), tmp_path)
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc on this machine")
 @pytest.mark.parametrize("slower", ["every step", "the second sample"])
 def test_c_header_equals_python_where_only_the_first_sample_starts_filters(compensator, recordings, tmp_path, slower):
     """A slow meter, or a loose contact after the first sample, passes every filter's start in one step."""
