@@ -80,7 +80,7 @@ def test_transfer_shows_gains_with_both_scalers(runs):
     named = dict(runs) | {"fast-T": runs["T"], "fast-A": runs["A"]}
     text = tables.transfer({"pes": [named]}, 2, engine="fast")
     assert "raw 0.644" in text
-    assert "+24%" in text
+    assert "+24%; one recording from 0.349 to 0.795" in text
     assert text.count("trained on 0-50 %, a = 1.75") == 2
 
 
