@@ -59,7 +59,11 @@ def _add_own_choices(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--restarts", type=int, metavar="K", help="paper: keep the best of K starts (default 5; the publication: 1)"
     )
-    parser.add_argument("--engine", help="paper: exact (default), fast, or sklearn (the reference)")
+    parser.add_argument(
+        "--engine",
+        choices=("exact", "fast", "sklearn"),  # of compensation.engines.engine, which is too heavy for --help
+        help="paper: exact (default), fast, or sklearn (the reference)",
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -132,7 +136,6 @@ def _bank(recipe) -> str:
 
 def _options(args: argparse.Namespace) -> Options:
     """The options that were given, checked; the others are the paper's."""
-    from compensation.engines.engine import engine
     from compensation.training.options import Options
 
     _check(args)
@@ -141,9 +144,7 @@ def _options(args: argparse.Namespace) -> Options:
         given["sizes"] = common.parse_sizes(given.pop("hidden"))
     if "factors" in given:
         given["alphas"] = common.parse_factors(given.pop("factors"))
-    options = Options(seed=args.seed, irregular=args.irregular, per_recording=args.per_recording, **given)
-    engine(options.engine)
-    return options
+    return Options(seed=args.seed, irregular=args.irregular, per_recording=args.per_recording, **given)
 
 
 def _check(args: argparse.Namespace) -> None:

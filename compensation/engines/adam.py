@@ -7,6 +7,7 @@ The arithmetic is in `compensation.engines.adam_kernels`.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -20,24 +21,25 @@ LEARNING_RATE = 1e-3
 TOLERANCE, PATIENCE = 1e-4, 10
 
 
-def initial_network(widths: Sequence[int], rng: np.random.RandomState) -> Network:
-    """Glorot's uniform start, drawn in MLPRegressor's order. `widths` includes the inputs and the single output."""
-    weights, biases = [], []
-    for fan_in, fan_out in pairwise(widths):
-        bound = np.sqrt(6.0 / (fan_in + fan_out))
-        weights.append(rng.uniform(-bound, bound, (fan_in, fan_out)))
-        biases.append(rng.uniform(-bound, bound, fan_out))
-    return Network(tuple(weights), tuple(biases))
+@dataclass(frozen=True)
+class Fit:
+    """A trained network and its training loss after each epoch."""
+
+    network: Network
+    loss_curve: FloatArray
 
 
-def flatten(network: Network) -> FloatArray:
-    """All weights and biases in one vector, layer by layer, each layer's weights before its biases."""
-    pairs = zip(network.weights, network.biases, strict=True)
-    return np.concatenate([part.ravel() for pair in pairs for part in pair])
+def initial_weights(widths: Sequence[int], rng: np.random.RandomState) -> FloatArray:
+    """Glorot's uniform start, drawn in MLPRegressor's order: layer by layer, its weights before its biases.
+
+    `widths` includes the inputs and the single output.
+    """
+    layers = [(np.sqrt(6.0 / (fan_in + fan_out)), (fan_in + 1) * fan_out) for fan_in, fan_out in pairwise(widths)]
+    return np.concatenate([rng.uniform(-bound, bound, count) for bound, count in layers])
 
 
 def unflatten(flat: FloatArray, widths: Sequence[int]) -> Network:
-    """Inverse of `flatten`."""
+    """A network of weights and biases in one vector, in the order of `initial_weights`."""
     weights, biases, at = [], [], 0
     for fan_in, fan_out in pairwise(widths):
         weights.append(flat[at : at + fan_in * fan_out].reshape(fan_in, fan_out).copy())
@@ -57,7 +59,7 @@ def train_adam(
     batch: int = BATCH,
     rate: float = LEARNING_RATE,
     averaging: float = 0.0,
-) -> tuple[Network, FloatArray]:
+) -> Fit:
     """Train one network as `MLPRegressor(hidden_layer_sizes=sizes, alpha=l2, random_state=seed)` does.
 
     Parameters
@@ -71,17 +73,12 @@ def train_adam(
         Share that the running mean of the weights, taken after each epoch, keeps of itself; that mean is returned.
         0 returns the last weights, as scikit-learn does. The mean does not jump about the minimum as the weights do
         (B. T. Polyak and A. B. Juditsky, Acceleration of stochastic approximation by averaging, 1992).
-
-    Returns
-    -------
-    network : Network
-    loss_curve : ndarray, shape (epochs,)
     """
     features, target = np.ascontiguousarray(features), np.ascontiguousarray(target)
     widths = (features.shape[1], *sizes, 1)
     widths_array = np.array(widths)
     rng = np.random.RandomState(seed)
-    flat = flatten(initial_network(widths, rng))
+    flat = initial_weights(widths, rng)
     first, second = np.zeros_like(flat), np.zeros_like(flat)
     mean, curve = flat, list[float]()
     order, best, stale, steps = np.arange(len(features)), np.inf, 0, 0
@@ -94,4 +91,4 @@ def train_adam(
         best = min(best, loss)
         share = max(1.0 - averaging, 1.0 / len(curve))
         mean = (1.0 - share) * mean + share * flat
-    return unflatten(mean, widths), np.asarray(curve)
+    return Fit(unflatten(mean, widths), np.asarray(curve))

@@ -3,27 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from compensation.engines.adam import BATCH, train_adam
+from compensation.engines.adam import BATCH, Fit, train_adam
 from compensation.engines.network import Network
 from gcode.support.arrays import FloatArray
-from gcode.support.errors import UserError
 
 MAX_EPOCHS = 10_000
 DEFAULT_L2 = 1e-4
 # Found on samples of the candidates on other sensors' recordings than benchmarks/bench_training.py prints.
 FAST_ROWS, FAST_STRIDE, FAST_BATCH, FAST_RATE, FAST_AVERAGING = 2_500, 7, 40, 6e-3, 0.9
-
-
-@dataclass(frozen=True)
-class Fit:
-    """A trained network and its training loss after each epoch."""
-
-    network: Network
-    loss_curve: FloatArray
 
 
 def sklearn_engine(features: FloatArray, target: FloatArray, sizes: Sequence[int], seed: int, l2: float) -> Fit:
@@ -39,7 +29,7 @@ def sklearn_engine(features: FloatArray, target: FloatArray, sizes: Sequence[int
 
 def exact_engine(features: FloatArray, target: FloatArray, sizes: Sequence[int], seed: int, l2: float) -> Fit:
     """The same training, compiled: the same seed gives scikit-learn's loss curve to rounding."""
-    return Fit(*train_adam(features, target, sizes, seed, l2, MAX_EPOCHS))
+    return train_adam(features, target, sizes, seed, l2, MAX_EPOCHS)
 
 
 def fast_engine(features: FloatArray, target: FloatArray, sizes: Sequence[int], seed: int, l2: float) -> Fit:
@@ -52,19 +42,10 @@ def fast_engine(features: FloatArray, target: FloatArray, sizes: Sequence[int], 
     rows, truth = features[::stride], target[::stride]
     # MLPRegressor divides L2 by the batch size: as much of it here as in batches of its own size.
     l2 = l2 * FAST_BATCH / BATCH
-    network, curve = train_adam(
+    return train_adam(
         rows, truth, sizes, seed, l2, MAX_EPOCHS, batch=FAST_BATCH, rate=FAST_RATE, averaging=FAST_AVERAGING
     )
-    return Fit(network, curve)
 
 
 Engine = Callable[[FloatArray, FloatArray, Sequence[int], int, float], Fit]
 ENGINES: dict[str, Engine] = {"exact": exact_engine, "fast": fast_engine, "sklearn": sklearn_engine}
-
-
-def engine(name: str) -> Engine:
-    """The training engine of this name."""
-    try:
-        return ENGINES[name]
-    except KeyError:
-        raise UserError(f"--engine must be one of {', '.join(ENGINES)}, got {name}") from None

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from compensation.engines.engine import engine
+from compensation.engines.engine import ENGINES
 from compensation.series import score
 from compensation.series.preprocessing import Series, series_of
 from compensation.training.options import Options
@@ -56,7 +56,7 @@ def over_seeds(
     scales = [scaling_of_target(blank, part) for part in tests]
     predictions, dead, fitted = [], [], []
     for seed in range(seeds):
-        network = engine(options.engine)(features, truth, options.sizes, seed, options.l2).network
+        network = ENGINES[options.engine](features, truth, options.sizes, seed, options.l2).network
         predictions.append([scale.invert(network(values)) for scale, values in zip(scales, inputs, strict=True)])
         dead.append(network.is_dead(features))
         fitted.append(score.r2(truth, network(features)))

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compensation.engines.engine import engine
+from compensation.engines.engine import ENGINES
 from compensation.engines.network import Network, alive, mean_output
 from compensation.memories.history import NO_HISTORY, QUICK_SETTLE_S, History
 from compensation.series import score
@@ -128,7 +128,7 @@ class Paper(Learner):
     def fit(self) -> Learned:
         x, y, options = self.features[:, PAPERS], self.lessons.truth, self.options
         fits = [
-            engine(options.engine)(x, y, options.sizes, options.seed + start, options.l2) for start in range(STARTS)
+            ENGINES[options.engine](x, y, options.sizes, options.seed + start, options.l2) for start in range(STARTS)
         ]
         best = max(fits, key=lambda fit: score.r2(y, fit.network(x)))
         own = np.isin(np.arange(self.features.shape[1]), PAPERS)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from compensation.engines.engine import engine
+from compensation.engines.engine import ENGINES
 from compensation.engines.network import Network
 from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import ready_for_use
@@ -48,7 +48,7 @@ def train_on_series(
         len(networks) < tries and all(network.is_dead(features) for network in networks)
     ):
         seed = options.seed + len(networks)
-        networks.append(engine(options.engine)(features, truth, options.sizes, seed, options.l2).network)
+        networks.append(ENGINES[options.engine](features, truth, options.sizes, seed, options.l2).network)
         scores.append(r2(truth, networks[-1](features)))
         progress(f"seed {seed}: training r2 {scores[-1]:.4f}")
     best = int(np.argmax(scores))
