@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.linear_model import Ridge
 from sklearn.metrics import r2_score
+from sklearn.preprocessing import StandardScaler
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from compensation.memories.ema import PAPER_COUNT, PAPER_RATE_HZ, smooth, smoothing_factors
@@ -220,9 +221,7 @@ class _Ridge:
     """A ridge regression on the smoothing bank of each column, standardised by the training."""
 
     def __init__(self, X: FloatArray, y: FloatArray, parts: Iterable[NDArray[np.intp]], rate_hz: float) -> None:
-        still = [stands_still(column) for column in X.T]
-        self._mean, self._scale = X.mean(axis=0), np.where(still, 1.0, X.std(axis=0))
-        self._rate_hz = rate_hz
+        self._scaler, self._rate_hz = StandardScaler().fit(X), rate_hz
         features = np.empty((len(X), X.shape[1] * PAPER_COUNT))
         for rows in parts:
             features[rows] = self._memories(X[rows])
@@ -233,7 +232,7 @@ class _Ridge:
         return self._line.predict(self._memories(X))
 
     def _memories(self, X: FloatArray) -> FloatArray:
-        columns = ((X - self._mean) / self._scale).T
+        columns = self._scaler.transform(X).T
         return np.hstack([smooth(column, smoothing_factors(), self._rate_hz, start="causal") for column in columns])
 
 

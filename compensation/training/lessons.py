@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from compensation.engines.adam import BATCH, train_adam
+from compensation.engines.engine import BATCH, train_adam
 from compensation.engines.network import Network
 from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import ready_for_use

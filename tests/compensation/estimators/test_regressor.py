@@ -22,7 +22,7 @@ from compensation.model import files as compensator_files
 from compensation.model.streaming import CompensatorStream
 from compensation.series.preprocessing import series_of
 from compensation.training.options import Options
-from compensation.training.training import train
+from tests.compensation.conftest import train
 
 
 @pytest.mark.filterwarnings("ignore:learned by ridge:UserWarning")

@@ -22,8 +22,9 @@ from compensation.model.compensator import Scaling
 from compensation.model.streaming import CompensatorStream
 from compensation.series.preprocessing import series_of
 from compensation.training.options import Options
-from compensation.training.training import train, train_on_series
+from compensation.training.training import train_on_series
 from gcode.support.errors import UserError
+from tests.compensation.conftest import train
 
 PROGRAM = """
 #include <stdio.h>

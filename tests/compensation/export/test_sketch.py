@@ -17,7 +17,7 @@ from compensation.model.compensator import Scaling
 from compensation.model.runtime import Status
 from compensation.model.streaming import CompensatorStream
 from compensation.training.options import Options
-from compensation.training.training import train
+from tests.compensation.conftest import train
 
 SHIM = Path(__file__).parent / "arduino"
 SKETCH = Path(__file__).parents[3] / "firmware" / "knitbench_compensator"

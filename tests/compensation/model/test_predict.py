@@ -20,11 +20,10 @@ from compensation.model.prediction import predicted
 from compensation.model.runtime import Status
 from compensation.model.streaming import CompensatorStream
 from compensation.training.options import Options
-from compensation.training.training import train
 from gcode.support.errors import UserError
 from testbench.recordings import doubts
 from testbench.recordings.files import write_recording_csv
-from tests.compensation.conftest import paused
+from tests.compensation.conftest import paused, train
 
 
 @pytest.fixture(scope="module")

@@ -26,11 +26,11 @@ from compensation.model.runtime import (
 from compensation.model.streaming import CompensatorStream
 from compensation.series.preprocessing import series_of
 from compensation.training.options import Options
-from compensation.training.training import train, train_on_series
+from compensation.training.training import train_on_series
 from gcode.support.errors import UserError
 from gcode.support.files import write_json
 from gcode.support.strict import read_json
-from tests.compensation.conftest import simulated_recording
+from tests.compensation.conftest import simulated_recording, train
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc on this machine")
 BAD_READINGS = (np.nan, np.inf, -np.inf, 0.0, -1e-6)

@@ -18,8 +18,7 @@ from compensation.series.preprocessing import Series, series_of
 from compensation.training import auto
 from compensation.training.auto import LEARNERS, cross_validated, steps, train_automatically
 from compensation.training.folds import folds_of, whole_recordings
-from compensation.training.learners import Ridge, linear
-from compensation.training.least_squares import Sums
+from compensation.training.learners import Ridge, Sums, linear
 from compensation.training.lessons import features_at_pace
 from compensation.training.options import Options
 from compensation.training.stacking import STACKED, choose, stacked, weights_of

@@ -13,12 +13,11 @@ from compensation.series import score
 from compensation.series.preprocessing import Series, series_of
 from compensation.training.options import Options
 from compensation.training.recalibration import Correction, correction, recalibrated
-from compensation.training.training import train
 from gcode.support.errors import UserError
 from testbench.recordings import doubts
 from testbench.recordings.files import write_recording_csv
 from testbench.recordings.recording import Recording
-from tests.compensation.conftest import paused
+from tests.compensation.conftest import paused, train
 
 
 @pytest.fixture(scope="module")

@@ -18,9 +18,10 @@ from compensation.series import score
 from compensation.series.preprocessing import series_of
 from compensation.training.learners import linear
 from compensation.training.options import Options
-from compensation.training.training import METHODS, train, train_on_series
+from compensation.training.training import METHODS, train_on_series
 from gcode.support.errors import UserError
 from testbench.recordings.files import read_recording, write_recording_csv
+from tests.compensation.conftest import train
 
 QUICK = Options(restarts=2)
 
