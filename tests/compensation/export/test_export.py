@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from compensation.cli import main
-from compensation.export.chip_cost import code_bytes, cost
-from compensation.export.export_c import PROMISED, c_header, rounding
+from compensation.export.export_c import PROMISED, c_header, code_bytes, cost, rounding
 from compensation.export.export_onnx import write_onnx
 from compensation.export.onnx_stream import OnnxStream
 from compensation.memories.ema import start_samples

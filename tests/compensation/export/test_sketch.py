@@ -10,8 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compensation.export.chip_cost import cost
-from compensation.export.export_c import c_header
+from compensation.export.export_c import c_header, cost
 from compensation.memories.history import History
 from compensation.model.compensator import Scaling
 from compensation.model.runtime import Status
