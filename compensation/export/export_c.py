@@ -15,17 +15,7 @@ from compensation.engines.network import Network
 from compensation.export.c_template import HEADER
 from compensation.memories.ema import log_retention, start_steps
 from compensation.model.compensator import Fitted, TrainedCompensator, trained
-from compensation.model.runtime import (
-    LARGEST_CONDUCTANCE_S,
-    LONGEST_STEP_S,
-    MEANING,
-    SHORTEST_STEP_S,
-    SMALLEST_CONDUCTANCE_S,
-    beginning_of,
-    check_streams,
-    limits_of,
-    ranges_of,
-)
+from compensation.model.runtime import MEANING, READINGS_S, STEPS_S, beginning_of, check_streams, limits_of, ranges_of
 from gcode.support.arrays import FloatArray
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
@@ -100,10 +90,10 @@ def c_header(compensator: TrainedCompensator | Fitted, name: str = "knitbench") 
         plays=len(history.play_radii),
         flags=_flags(name.upper()),
         margins=_margins(name.upper(), compensator.margins),
-        shortest=_number(SHORTEST_STEP_S),
-        longest=_number(LONGEST_STEP_S),
-        smallest=_number(SMALLEST_CONDUCTANCE_S),
-        largest=_number(LARGEST_CONDUCTANCE_S),
+        shortest=_number(STEPS_S[0]),
+        longest=_number(STEPS_S[1]),
+        smallest=_number(READINGS_S[0]),
+        largest=_number(READINGS_S[1]),
         rate=_number(rate_hz),
         mean=_number(compensator.scaling_in.mean),
         inverse=_number(1.0 / compensator.scaling_in.scale),

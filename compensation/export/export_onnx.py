@@ -10,17 +10,7 @@ import numpy as np
 
 from compensation.memories.ema import log_retention, start_steps
 from compensation.model.compensator import Fitted, TrainedCompensator, trained
-from compensation.model.runtime import (
-    LARGEST_CONDUCTANCE_S,
-    LONGEST_STEP_S,
-    SHORTEST_STEP_S,
-    SMALLEST_CONDUCTANCE_S,
-    Status,
-    beginning_of,
-    check_streams,
-    limits_of,
-    ranges_of,
-)
+from compensation.model.runtime import READINGS_S, STEPS_S, Status, beginning_of, check_streams, limits_of, ranges_of
 from gcode.support.errors import UserError
 from gcode.support.files import atomic_path
 
@@ -161,8 +151,8 @@ def _fault(graph: _Graph, compensator: TrainedCompensator) -> str:
     step = graph("Where", graph("Equal", "counted", ZERO), [1.0], "steps")
     flags = []
     for source, low, high, flag in (
-        ("conductance_S", SMALLEST_CONDUCTANCE_S, LARGEST_CONDUCTANCE_S, Status.BAD_READING),
-        (step, SHORTEST_STEP_S * rate_hz, LONGEST_STEP_S * rate_hz, Status.BAD_STEP),
+        ("conductance_S", READINGS_S[0], READINGS_S[1], Status.BAD_READING),
+        (step, STEPS_S[0] * rate_hz, STEPS_S[1] * rate_hz, Status.BAD_STEP),
     ):
         within = graph("And", graph("GreaterOrEqual", source, [low]), graph("LessOrEqual", source, [high]))
         flags.append(graph("Mul", graph("Number", graph("Not", within)), [float(flag)]))
