@@ -37,12 +37,6 @@ RIDGE_L2 = 1e-2
 # Sums of their squares are neither zero nor infinite.
 LEAST, MOST = 1e-100, 1e100
 
-# It has memory: these checks permute or thin out the rows, which are samples in time here.
-EXPECTED_FAILED_CHECKS = {
-    "check_methods_sample_order_invariance": "rows are samples in time, and history matters",
-    "check_methods_subset_invariance": "rows are samples in time, and history matters",
-}
-
 
 class Compensator(RegressorMixin, BaseEstimator):
     """Learn force or displacement from the history of a conductance.

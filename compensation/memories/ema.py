@@ -134,7 +134,5 @@ def _initial_values(x: FloatArray, count: int, start: str) -> FloatArray | float
     head = x[:count]
     if start == "paper":
         return float(head.mean())
-    if start != "causal":
-        raise UserError(f"the bank's start must be 'paper' or 'causal', got {start!r}")
     seen = np.cumsum(head) / np.arange(1, len(head) + 1)
     return np.concatenate([seen, np.full(len(x) - len(head), seen[-1])])

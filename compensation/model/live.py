@@ -103,7 +103,6 @@ class LiveCompensator:
         return steps_s[0] if self._last_us is not None else None
 
     def close(self) -> None:
-        """Close the file."""
         if self._file is not None:
             os.close(self._file)
             self._file = None

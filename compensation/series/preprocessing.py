@@ -41,7 +41,6 @@ class Series:
         return hashlib.sha256(self.conductance_S.tobytes()).hexdigest()
 
     def rows(self, rows: NDArray[np.intp]) -> Series:
-        """The series of some of its samples."""
         return Series(self.time_s[rows], self.conductance_S[rows], self.truth[rows], self.source)
 
 

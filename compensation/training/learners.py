@@ -110,7 +110,6 @@ class Sums:
 
     @classmethod
     def of(cls, lesson: Lessons, rows: Mask) -> Sums:
-        """The sums over these rows."""
         products = []
         for version in lesson.versions:
             x = np.column_stack([version[rows], np.ones(rows.sum()), lesson.truth[rows]])
@@ -119,7 +118,6 @@ class Sums:
 
     @classmethod
     def total(cls, parts: Sequence[Sums]) -> Sums:
-        """The sums over the rows of all parts."""
         return cls(sum(part.learn for part in parts), sum(part.judge for part in parts))  # type: ignore[arg-type]
 
     def solved(self, l2: float) -> tuple[FloatArray, float]:
@@ -135,7 +133,6 @@ class Sums:
         return weights, float(target_mean - mean @ weights)
 
     def error(self, weights: FloatArray, bias: float) -> float:
-        """Sum of squared errors on these rows."""
         w = np.concatenate([weights, [bias, -1.0]])
         return float(w @ self.judge @ w)
 

@@ -1,10 +1,9 @@
 """The twin method: learn on campaigns simulated from the fitted knit model, and on the short measurement itself.
 
-Two minutes of measurement do not show the drift of twenty. A knit model fitted on those two minutes does, as far as
-it is right. Nor do they tell every parameter: networks that learn from several models, which explain them about as
-well, learn what these have in common. The networks are of the tuned kind (`compensation.training.lessons`: memories
-of motion and play, strong L2, shifted states), and the measurement is part of every lesson, repeated until it weighs
-`SHARE`: finishing on it afterwards would teach the networks to forget the drift.
+Two minutes of measurement do not tell every parameter of a model: networks that learn from several models, which
+explain them about as well, learn what these have in common. The networks are of the tuned kind
+(`compensation.training.lessons`), and the measurement is part of every lesson, repeated until it weighs `SHARE`:
+finishing on it afterwards would teach the networks to forget the drift.
 """
 
 from __future__ import annotations
