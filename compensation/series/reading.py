@@ -32,8 +32,8 @@ def read_signals(path: str | Path, gauge_length_mm: float | None = None) -> Reco
         raise UserError(f"{path}: no {RESISTANCE} (found: {', '.join(columns)}); name yours with `testbench import`")
     if not columns.keys() & {DISPLACEMENT, FORCE}:
         raise UserError(
-            f"{path}: neither {FORCE} nor {DISPLACEMENT} (found: {', '.join(columns)}), so there is no reference to "
-            "learn from; `compensation predict` needs none"
+            f"{path}: neither {FORCE} nor {DISPLACEMENT} (found: {', '.join(columns)}), so there is no reference; "
+            "name yours, be it a strain, with `testbench import`; `compensation predict` needs none"
         )
     if DISPLACEMENT in columns or TIME not in columns or not {FORCE, RESISTANCE} <= columns.keys():
         return read_recording(path, length_mm)
