@@ -213,6 +213,15 @@ def test_a_reference_that_stands_still_beside_a_moving_sensor_is_refused(compens
         assert said.count("\n") == 1
 
 
+def test_a_sensor_that_stands_still_beside_a_moving_reference_is_refused(compensator, test_part):
+    """One that is not connected was corrected to half the error, with a gain of 1.7."""
+    part, rng = first(test_part, 60), np.random.default_rng(0)
+    for noise in (0.0, 0.01):
+        read = compensator.scaling_in.invert(noise * rng.standard_normal(len(part)))
+        with pytest.raises(UserError, match=r"the conductance stands still .* while the force moves"):
+            recalibrated(compensator, replace(part, conductance_S=read))
+
+
 @pytest.mark.parametrize("seconds", ["60", "6"])
 def test_a_reference_that_was_never_tared_is_refused(compensator, recordings, tmp_path, capsys, seconds):
     compensator_files.save(tmp_path / "c.json", compensator)
