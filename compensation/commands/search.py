@@ -82,7 +82,6 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _chosen(args: argparse.Namespace) -> list[Candidate]:
-    """The candidates that the options name."""
     from compensation.search import search_space
 
     if args.sample is not None and args.sample < 1:

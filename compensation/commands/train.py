@@ -48,7 +48,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_own_choices(parser: argparse.ArgumentParser) -> None:
-    """The options of `OWN_CHOICES`."""
     parser.add_argument("--hidden", metavar="A,B,..", help="paper: hidden layers (default 4,2,2)")
     parser.add_argument("--factor", type=float, metavar="A", help="paper: factors A^-i (default 2.5)")
     parser.add_argument("--count", type=int, metavar="N", help="paper: number of filters (default 7)")
@@ -162,8 +161,8 @@ def _check(args: argparse.Namespace) -> None:
         raise UserError("--strain says what the twin prepares for; it needs --twin")
     if args.restarts is not None and args.restarts < 1:
         raise UserError(f"--restarts must be at least 1, got {args.restarts}")
-    if args.l2 is not None and not 0 <= args.l2 < float("inf"):
-        raise UserError(f"--l2 must be a number from 0 on, got {args.l2:g}")
+    if args.l2 is not None and not 0 <= args.l2 <= 1e6:  # far below it all starts are dead
+        raise UserError(f"--l2 must be a number from 0 to 1e6, got {args.l2:g}")
     if not 0 <= args.seed <= HIGHEST_SEED:
         raise UserError(f"--seed must be from 0 to {HIGHEST_SEED}, got {args.seed}")
 

@@ -184,7 +184,6 @@ class Cost:
 
 
 def cost(compensator: TrainedCompensator) -> Cost:
-    """Count bytes and multiplications."""
     filters, history = len(compensator.alphas), compensator.history
     motions, plays, remembers = len(history.motion_taus_s), len(history.play_radii), int(history.count > 0)
     weights = sum(matrix.size for network in compensator.networks for matrix in network.weights)

@@ -37,7 +37,6 @@ class Scaling:
         return (values - self.mean) / self.scale
 
     def invert(self, values: FloatArray) -> FloatArray:
-        """Back to physical units."""
         return values * self.scale + self.mean
 
 

@@ -185,7 +185,6 @@ def draws(best: Fit, count: int, seed: int) -> list[KnitModel]:
 
 def _misfit(model: KnitModel, measurement: Measurement, best: Fit) -> float:
     """Mean square residual in units of the best fit's; infinite where the model gives no numbers."""
-    residuals: Sequence = list(measurement.residual(model).items())
-    squares = [np.mean((values[measurement.counts] / best.scale[channel]) ** 2) for channel, values in residuals]
-    total = float(np.sum(squares))
+    residuals = measurement.residual(model).items()
+    total = float(sum(np.mean((own[measurement.counts] / best.scale[name]) ** 2) for name, own in residuals))
     return total if np.isfinite(total) else np.inf

@@ -243,6 +243,7 @@ def test_no_dead_network_is_kept_where_several_starts_are_asked_for(recordings):
     [
         (["--restarts", "0"], "--restarts must be at least 1"),
         (["--l2", "-1"], "--l2 must be"),
+        (["--l2", "1e200"], "--l2 must be a number from 0 to 1e6"),  # its gradients are infinite: random networks
         (["--seed", "-5"], "--seed must be"),
         (["--factor", "0.5"], "must be a number above 1"),
         (["--hidden", "4,x"], "--hidden must be"),
