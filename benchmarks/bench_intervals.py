@@ -29,8 +29,7 @@ from compensation.paper.paper_campaigns import TAB, campaigns
 from compensation.series.preprocessing import TARGETS, Series, series_of
 from compensation.training.auto import train_automatically
 from compensation.training.intervals import of_another
-from compensation.training.learners import Ridge
-from compensation.training.least_squares import Sums
+from compensation.training.learners import Ridge, Sums
 from compensation.training.options import Options
 
 RATE_HZ, RIDGE_L2 = 20.0, 1e-2

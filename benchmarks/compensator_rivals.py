@@ -16,6 +16,7 @@ from sequence_networks import Gru, Tcn, adam
 
 from compensation.memories.history import History
 from compensation.model.compensator import TrainedCompensator
+from compensation.paper.reproduction import regressors
 from compensation.series.preprocessing import Series
 from compensation.training.auto import train_automatically
 from compensation.training.lessons import STATE_SHIFT
@@ -189,21 +190,8 @@ def _fast(part: Series, output: FloatArray, scales: tuple[float, float, float, f
     return np.interp(np.arange(len(part)), middles, output) * scales[3] + scales[2]
 
 
-def _polynomial(degree: int) -> Callable[[int], object]:
-    def make(seed: int) -> object:
-        from sklearn.linear_model import LinearRegression
-        from sklearn.pipeline import make_pipeline
-        from sklearn.preprocessing import PolynomialFeatures
-
-        return make_pipeline(PolynomialFeatures(degree), LinearRegression())
-
-    return make
-
-
-def _forest(seed: int) -> object:
-    from sklearn.ensemble import RandomForestRegressor
-
-    return RandomForestRegressor(n_estimators=50, min_samples_leaf=5, random_state=seed)
+def _of_the_paper(name: str) -> Callable[[int], object]:
+    return lambda seed: regressors(seed)[name]
 
 
 def _boosted(seed: int) -> object:
@@ -222,10 +210,12 @@ def _boosted(seed: int) -> object:
 
 RIVALS: dict[str, Rival] = {
     "line": line,
-    "linear": regressor(_polynomial(1), lambda model: 8),
-    "polynomial 3": regressor(_polynomial(3), lambda model: model[-1].n_features_in_ + 1),
-    "polynomial 4": regressor(_polynomial(4), lambda model: model[-1].n_features_in_ + 1),
-    "random forest": regressor(_forest, lambda model: sum(tree.tree_.node_count for tree in model.estimators_)),
+    "linear": regressor(_of_the_paper("linear"), lambda model: 8),
+    "polynomial 3": regressor(_of_the_paper("polynomial, 3rd order"), lambda model: model[-1].n_features_in_ + 1),
+    "polynomial 4": regressor(_of_the_paper("polynomial, 4th order"), lambda model: model[-1].n_features_in_ + 1),
+    "random forest": regressor(
+        _of_the_paper("random forest"), lambda model: sum(tree.tree_.node_count for tree in model.estimators_)
+    ),
     "LightGBM": regressor(_boosted, lambda model: model.n_estimators_ * 13),
     "ridge": ridge,
     "ESN": reservoir,

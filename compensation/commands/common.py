@@ -27,7 +27,6 @@ NOTHING_KNOWN = (
 
 
 def add_recordings(parser: argparse.ArgumentParser) -> None:
-    """The positional recordings."""
     parser.add_argument("recordings", nargs="+", metavar="CAMPAIGN", help="campaign folder or recording CSV")
 
 

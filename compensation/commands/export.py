@@ -23,8 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from compensation.export.chip_cost import code_bytes, cost
-    from compensation.export.export_c import PROMISED, c_header, rounding
+    from compensation.export.export_c import PROMISED, c_header, code_bytes, cost, rounding
     from compensation.model.files import load
     from gcode.support.files import write_text
 

@@ -41,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
     from compensation.model.files import load
     from compensation.model.prediction import predicted
     from compensation.model.runtime import Status
-    from compensation.series.preprocessing import target_channel
+    from compensation.series.preprocessing import TARGETS
     from compensation.series.reading import read_samples, without_reference
     from gcode.support.files import atomic_path
     from testbench.recordings.doubts import say_slow
@@ -61,7 +61,7 @@ def run(args: argparse.Namespace) -> int:
         frame.to_csv(temporary, index=False, float_format="%.6f")
     low, high = found.value.min(), found.value.max()
     print(
-        f"{len(frame)} samples: {target_channel(compensator.target)} {low:.3f} to {high:.3f} {compensator.unit}",
+        f"{len(frame)} samples: {TARGETS[compensator.target][0]} {low:.3f} to {high:.3f} {compensator.unit}",
         *_doubts(found.status),
         *([f"  {NOTHING_KNOWN}"] if (found.status[good] & int(Status.UNSEEN_READING)).all() else []),
         f"wrote {args.output}",

@@ -56,7 +56,7 @@ def _reference(args: argparse.Namespace, compensator: TrainedCompensator) -> Ser
     """The first seconds of the recording: its own reference, tared if that is a force, or zero throughout."""
     import numpy as np
 
-    from compensation.series.preprocessing import reference_of, sampled, target_channel
+    from compensation.series.preprocessing import TARGETS, reference_of, sampled
     from compensation.series.reading import check_tared, read_signals
     from compensation.training.recalibration import end_of_first, reach, recording_at_rest
     from testbench.recordings.doubts import say_gaps, say_slow
@@ -65,7 +65,7 @@ def _reference(args: argparse.Namespace, compensator: TrainedCompensator) -> Ser
     if args.rest:
         recording = recording_at_rest(compensator, args.recording, args.seconds)
         say_gaps(recording)
-        return sampled(recording, target_channel(target), rate_hz)
+        return sampled(recording, TARGETS[target][0], rate_hz)
     recording = read_signals(args.recording, args.gauge_length_mm)
     say_slow(recording)
     end_s = end_of_first(args.seconds, recording.time_s)

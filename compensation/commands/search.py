@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--bases", metavar="A,B,..", help="base sizes of the hidden layers (default 2,3,4,6,8,12,16,32, the paper's)"
     )
     parser.add_argument(
-        "--per-recording", action="store_true", help="standardise each recording by itself, as the paper did"
+        "--per-recording", action="store_true", help="standardise each recording by itself, as the paper likely did"
     )
     parser.add_argument("--sample", type=int, metavar="N", help="only N of the candidates, spread evenly")
     parser.add_argument("--engine", choices=("fast", "exact", "sklearn"), default="fast", help="default fast")
@@ -82,7 +82,6 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _chosen(args: argparse.Namespace) -> list[Candidate]:
-    """The candidates that the options name."""
     from compensation.search import search_space
 
     if args.sample is not None and args.sample < 1:

@@ -48,7 +48,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_own_choices(parser: argparse.ArgumentParser) -> None:
-    """The options of `OWN_CHOICES`."""
     parser.add_argument("--hidden", metavar="A,B,..", help="paper: hidden layers (default 4,2,2)")
     parser.add_argument("--factor", type=float, metavar="A", help="paper: factors A^-i (default 2.5)")
     parser.add_argument("--count", type=int, metavar="N", help="paper: number of filters (default 7)")
@@ -59,7 +58,11 @@ def _add_own_choices(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--restarts", type=int, metavar="K", help="paper: keep the best of K starts (default 5; the publication: 1)"
     )
-    parser.add_argument("--engine", help="paper: exact (default), fast, or sklearn (the reference)")
+    parser.add_argument(
+        "--engine",
+        choices=("exact", "fast", "sklearn"),  # of compensation.engines.engine, which is too heavy for --help
+        help="paper: exact (default), fast, or sklearn (the reference)",
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -132,7 +135,6 @@ def _bank(recipe) -> str:
 
 def _options(args: argparse.Namespace) -> Options:
     """The options that were given, checked; the others are the paper's."""
-    from compensation.engines.engine import engine
     from compensation.training.options import Options
 
     _check(args)
@@ -141,9 +143,7 @@ def _options(args: argparse.Namespace) -> Options:
         given["sizes"] = common.parse_sizes(given.pop("hidden"))
     if "factors" in given:
         given["alphas"] = common.parse_factors(given.pop("factors"))
-    options = Options(seed=args.seed, irregular=args.irregular, per_recording=args.per_recording, **given)
-    engine(options.engine)
-    return options
+    return Options(seed=args.seed, irregular=args.irregular, per_recording=args.per_recording, **given)
 
 
 def _check(args: argparse.Namespace) -> None:
@@ -161,8 +161,8 @@ def _check(args: argparse.Namespace) -> None:
         raise UserError("--strain says what the twin prepares for; it needs --twin")
     if args.restarts is not None and args.restarts < 1:
         raise UserError(f"--restarts must be at least 1, got {args.restarts}")
-    if args.l2 is not None and not 0 <= args.l2 < float("inf"):
-        raise UserError(f"--l2 must be a number from 0 on, got {args.l2:g}")
+    if args.l2 is not None and not 0 <= args.l2 <= 1e6:  # far below it all starts are dead
+        raise UserError(f"--l2 must be a number from 0 to 1e6, got {args.l2:g}")
     if not 0 <= args.seed <= HIGHEST_SEED:
         raise UserError(f"--seed must be from 0 to {HIGHEST_SEED}, got {args.seed}")
 

@@ -24,12 +24,10 @@ class Network(Unchanging):
 
     @property
     def sizes(self) -> tuple[int, ...]:
-        """Hidden layer sizes."""
         return tuple(len(bias) for bias in self.biases[:-1])
 
     @property
     def parameter_count(self) -> int:
-        """Number of weights and biases."""
         return sum(w.size for w in self.weights) + sum(b.size for b in self.biases)
 
     def __call__(self, features: FloatArray) -> FloatArray:

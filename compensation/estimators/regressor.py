@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.linear_model import Ridge
 from sklearn.metrics import r2_score
+from sklearn.preprocessing import StandardScaler
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from compensation.memories.ema import PAPER_COUNT, PAPER_RATE_HZ, smooth, smoothing_factors
@@ -35,12 +36,6 @@ FEWEST_S, FEWEST_ROWS = 20.0, 10
 RIDGE_L2 = 1e-2
 # Sums of their squares are neither zero nor infinite.
 LEAST, MOST = 1e-100, 1e100
-
-# It has memory: these checks permute or thin out the rows, which are samples in time here.
-EXPECTED_FAILED_CHECKS = {
-    "check_methods_sample_order_invariance": "rows are samples in time, and history matters",
-    "check_methods_subset_invariance": "rows are samples in time, and history matters",
-}
 
 
 class Compensator(RegressorMixin, BaseEstimator):
@@ -105,6 +100,7 @@ class Compensator(RegressorMixin, BaseEstimator):
             If a parameter is none of those allowed, X and y do not fit or are in odd units, or a recording has a
             single row.
         """
+        self.__dict__.pop("compensator_", None)  # where this fit fails, nothing is fitted
         self._check_parameters()
         X, y = validate_data(self, X, y, dtype=np.float64, y_numeric=True, ensure_min_samples=2)
         for name, values in (("X", X), ("y", y)):
@@ -122,8 +118,7 @@ class Compensator(RegressorMixin, BaseEstimator):
         self._why_ridge = self._reason_for_ridge(X, y)
         if self._why_ridge and self.method != RIDGE:
             warnings.warn(f"learned by ridge, not by {self.method}: {self._why_ridge}", stacklevel=2)
-        self.compensator_: TrainedCompensator | None = None
-        self._ridge: _Ridge | None = None
+        learned, self._ridge = None, None
         if self._why_ridge:
             self._ridge = _Ridge(X, y, parts.values(), self.rate_hz)
         else:
@@ -131,8 +126,12 @@ class Compensator(RegressorMixin, BaseEstimator):
                 Series(np.arange(len(rows)) / self.rate_hz, X[rows, 0], y[rows], "fit") for rows in parts.values()
             ]
             options = Options(seed=int(self.seed), rate_hz=float(self.rate_hz))
-            self.compensator_ = METHODS[self.method](series, self.target, options)
+            learned = METHODS[self.method](series, self.target, options)
+        self.compensator_: TrainedCompensator | None = learned
         return self
+
+    def __sklearn_is_fitted__(self) -> bool:
+        return hasattr(self, "compensator_")
 
     def predict(self, X: Any, groups: Any = None) -> FloatArray:
         """Predict each recording from its first row on, as `stream` does: shape (n,), in the unit of y."""
@@ -216,9 +215,7 @@ class _Ridge:
     """A ridge regression on the smoothing bank of each column, standardised by the training."""
 
     def __init__(self, X: FloatArray, y: FloatArray, parts: Iterable[NDArray[np.intp]], rate_hz: float) -> None:
-        still = [stands_still(column) for column in X.T]
-        self._mean, self._scale = X.mean(axis=0), np.where(still, 1.0, X.std(axis=0))
-        self._rate_hz = rate_hz
+        self._scaler, self._rate_hz = StandardScaler().fit(X), rate_hz
         features = np.empty((len(X), X.shape[1] * PAPER_COUNT))
         for rows in parts:
             features[rows] = self._memories(X[rows])
@@ -229,7 +226,7 @@ class _Ridge:
         return self._line.predict(self._memories(X))
 
     def _memories(self, X: FloatArray) -> FloatArray:
-        columns = ((X - self._mean) / self._scale).T
+        columns = self._scaler.transform(X).T
         return np.hstack([smooth(column, smoothing_factors(), self._rate_hz, start="causal") for column in columns])
 
 

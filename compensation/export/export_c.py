@@ -1,28 +1,21 @@
-"""A compensator as one C header: no dependency, no heap, float32."""
+"""A compensator as one C header (no dependency, no heap, float32), and what it needs on a chip."""
 
 from __future__ import annotations
 
 import re
+import subprocess
+import tempfile
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from compensation.engines.network import Network
 from compensation.export.c_template import HEADER
-from compensation.export.chip_cost import cost
-from compensation.memories.ema import log_retention, start_samples
+from compensation.memories.ema import log_retention, start_steps
 from compensation.model.compensator import Fitted, TrainedCompensator, trained
-from compensation.model.runtime import (
-    LARGEST_CONDUCTANCE_S,
-    LONGEST_STEP_S,
-    MEANING,
-    SHORTEST_STEP_S,
-    SMALLEST_CONDUCTANCE_S,
-    beginning_of,
-    check_streams,
-    limits_of,
-    ranges_of,
-)
+from compensation.model.runtime import MEANING, READINGS_S, STEPS_S, beginning_of, check_streams, limits_of, ranges_of
 from gcode.support.arrays import FloatArray
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
@@ -30,6 +23,8 @@ from gcode.support.errors import UserError
 # Of the target's standard deviation: what the header may differ from Python. Of the conductance's: so far beyond a
 # range is still inside, for where the training stood at its end, as at a converter's rail, rounding would decide.
 PROMISED = 1e-5
+# Of the header's exponential: terms of the series, and up to which exponent it is taken.
+SERIES, LARGEST_EXPONENT = 6, 0.5
 
 
 def rounding(compensator: TrainedCompensator) -> float:
@@ -95,10 +90,10 @@ def c_header(compensator: TrainedCompensator | Fitted, name: str = "knitbench") 
         plays=len(history.play_radii),
         flags=_flags(name.upper()),
         margins=_margins(name.upper(), compensator.margins),
-        shortest=_number(SHORTEST_STEP_S),
-        longest=_number(LONGEST_STEP_S),
-        smallest=_number(SMALLEST_CONDUCTANCE_S),
-        largest=_number(LARGEST_CONDUCTANCE_S),
+        shortest=_number(STEPS_S[0]),
+        longest=_number(STEPS_S[1]),
+        smallest=_number(READINGS_S[0]),
+        largest=_number(READINGS_S[1]),
         rate=_number(rate_hz),
         mean=_number(compensator.scaling_in.mean),
         inverse=_number(1.0 / compensator.scaling_in.scale),
@@ -121,7 +116,7 @@ def _tables(compensator: TrainedCompensator, networks: Sequence[Network]) -> Ite
     yield "inputs_high", seen.inputs_high + slack
     yield "alpha", compensator.alphas
     yield "log_keep", log_retention(compensator.alphas)
-    yield "start_steps", start_samples(compensator.alphas, compensator.rate_hz) - 0.5
+    yield "start_steps", start_steps(compensator.alphas, compensator.rate_hz)
     ends = np.cumsum([len(compensator.alphas), len(history.motion_taus_s)])
     kinds = ("", "motion_", "play_")
     for kind, gain, offset in zip(kinds, np.split(begin.gain, ends), np.split(begin.offset, ends), strict=True):
@@ -174,3 +169,58 @@ def _margins(prefix: str, margins: tuple[float, float] | None) -> str:
         "/* Added to a value: the ends of the interval that holds 90 % of the errors to be expected. */\n"
         f"#define {prefix}_MARGIN_LOW ({low})\n#define {prefix}_MARGIN_HIGH ({high})\n"
     )
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a compensator needs on a chip."""
+
+    constants_bytes: int  # flash: weights, biases and filter constants
+    state_bytes: int  # RAM kept between samples
+    scratch_bytes: int  # stack used while a sample is worked on (layer values)
+    multiplies: int  # a sample at the nominal step
+    # The same at a step that is not nominal to a millionth, as a clock gives: every filter's gain is made anew.
+    multiplies_any_step: int
+
+
+def cost(compensator: TrainedCompensator) -> Cost:
+    filters, history = len(compensator.alphas), compensator.history
+    motions, plays, remembers = len(history.motion_taus_s), len(history.play_radii), int(history.count > 0)
+    weights = sum(matrix.size for network in compensator.networks for matrix in network.weights)
+    widest = max(max(network.sizes, default=1) for network in compensator.networks)
+    constants = compensator.parameter_count + 5 * filters + 2 * compensator.input_count + 4
+    nominal = weights + 4 * filters + 1 + 2 * motions + plays + 2 * remembers
+    return Cost(
+        constants_bytes=4 * (constants + 4 * motions + 3 * plays + remembers),
+        state_bytes=4 * (4 * filters + 4 + history.count + 2 * remembers),
+        scratch_bytes=4 * (compensator.input_count + 2 * widest),
+        multiplies=nominal,
+        multiplies_any_step=nominal + _gains(compensator),
+    )
+
+
+def _gains(compensator: TrainedCompensator) -> int:
+    """Multiplications of `NAME_gain` for all filters, 1 % late: the exponent, the series, two for each halving."""
+    late, history = 1.01, compensator.history
+    taus_s = np.array([history.settle_s, *history.motion_taus_s] if history.count else [])
+    exponents = late * np.concatenate([-log_retention(compensator.alphas), 1.0 / (compensator.rate_hz * taus_s)])
+    halvings = np.ceil(np.log2(np.maximum(exponents / LARGEST_EXPONENT, 1.0)))
+    return int(np.sum(1 + SERIES + 2 * halvings))
+
+
+def code_bytes(header: str, name: str) -> int | None:
+    """Machine code of ``update`` and ``reset`` as this machine's gcc makes it (-Os); None without such a compiler."""
+    caller = (
+        f'#include "h.h"\nfloat u({name}_state *s, float g, float t) {{ return {name}_update(s, g, t); }}\n'
+        f"void r({name}_state *s) {{ {name}_reset(s); }}\n"
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder, "h.h").write_text(header)
+        Path(folder, "u.c").write_text(caller)
+        try:
+            subprocess.run(["gcc", "-Os", "-c", "u.c", "-o", "u.o"], cwd=folder, check=True, capture_output=True)
+            sized = subprocess.run(["size", "-A", "u.o"], cwd=folder, check=True, capture_output=True, text=True)
+        except (OSError, subprocess.CalledProcessError):  # no such tools, or others of these names
+            return None
+    rows = (line.split() for line in sized.stdout.splitlines())
+    return sum(int(row[1]) for row in rows if row and row[0].startswith(".text"))

@@ -8,23 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from compensation.memories.ema import log_retention, start_samples
+from compensation.memories.ema import log_retention, start_steps
 from compensation.model.compensator import Fitted, TrainedCompensator, trained
-from compensation.model.runtime import (
-    LARGEST_CONDUCTANCE_S,
-    LONGEST_STEP_S,
-    SHORTEST_STEP_S,
-    SMALLEST_CONDUCTANCE_S,
-    Status,
-    beginning_of,
-    check_streams,
-    limits_of,
-    ranges_of,
-)
+from compensation.model.runtime import READINGS_S, STEPS_S, Status, beginning_of, check_streams, limits_of, ranges_of
 from gcode.support.errors import UserError
 from gcode.support.files import atomic_path
 
 OPSET = 17
+ZERO = (0.0,)
 
 
 def write_onnx(compensator: TrainedCompensator | Fitted, path: str | Path) -> None:
@@ -80,25 +71,29 @@ def write_onnx(compensator: TrainedCompensator | Fitted, path: str | Path) -> No
 
 
 class _Graph:
-    """Nodes and constants, named as they are added."""
+    """Nodes, and the numbers that go into them."""
 
     def __init__(self) -> None:
         self.nodes: list[Any] = []
         self.constants: list[Any] = []
 
-    def constant(self, name: str, values: Any, kind: type = np.float64) -> str:
+    def _named(self, value: Any) -> str:
+        """Name of a node's input: a name as it is, numbers as a new constant."""
         from onnx import numpy_helper
 
-        self.constants.append(numpy_helper.from_array(np.asarray(values, dtype=kind), name))
+        if isinstance(value, str):
+            return value
+        name = f"constant_{len(self.constants)}"
+        self.constants.append(numpy_helper.from_array(np.asarray(value), name))
         return name
 
-    def __call__(self, kind: str, *inputs: str, out: str | None = None, **attributes: Any) -> str:
+    def __call__(self, kind: str, *inputs: Any, out: str | None = None, **attributes: Any) -> str:
         from onnx import TensorProto, helper
 
         if kind == "Number":
             kind, attributes = "Cast", {"to": TensorProto.DOUBLE}
         name = out or f"{kind}_{len(self.nodes)}"
-        self.nodes.append(helper.make_node(kind, inputs, [name], **attributes))
+        self.nodes.append(helper.make_node(kind, [self._named(value) for value in inputs], [name], **attributes))
         return name
 
 
@@ -123,14 +118,9 @@ def _model(compensator: TrainedCompensator) -> Any:
     features, x, starting = _features(graph, compensator)
     _networks(graph, compensator, features)
     _status(graph, compensator, fault, features, x, starting)
-    good = graph("Equal", fault, "zero")
+    good = graph("Equal", fault, ZERO)
     # Last of all: where the sample is faulty, everything is as it was.
-    start = graph(
-        "Where",
-        graph("Equal", "counted", "zero"),
-        graph.constant("mean_last", [compensator.scaling_out.mean]),
-        "last",
-    )
+    start = graph("Where", graph("Equal", "counted", ZERO), [compensator.scaling_out.mean], "last")
     graph("Where", good, "fresh_prediction", start, out="prediction")
     graph("Where", good, "prediction", "last", out="next_last")
     for name in state:
@@ -156,20 +146,16 @@ def _model(compensator: TrainedCompensator) -> Any:
 def _fault(graph: _Graph, compensator: TrainedCompensator) -> str:
     """Name of the flags that say what is wrong with the sample itself; comparisons with a NaN are false."""
     rate_hz = compensator.rate_hz
-    graph.constant("zero", [0.0])
     # One filter's count is enough: zero before the first good sample.
-    graph("Slice", "seen", *(graph.constant(f"slice_{k}", [k], np.int64) for k in (0, 1)), out="counted")
-    first = graph("Equal", "counted", "zero")
-    step = graph("Where", first, graph.constant("one", [1.0]), "steps")
+    graph("Slice", "seen", [0], [1], out="counted")
+    step = graph("Where", graph("Equal", "counted", ZERO), [1.0], "steps")
     flags = []
-    for name, source, low, high, flag in (
-        ("reading", "conductance_S", SMALLEST_CONDUCTANCE_S, LARGEST_CONDUCTANCE_S, Status.BAD_READING),
-        ("step", step, SHORTEST_STEP_S * rate_hz, LONGEST_STEP_S * rate_hz, Status.BAD_STEP),
+    for source, low, high, flag in (
+        ("conductance_S", READINGS_S[0], READINGS_S[1], Status.BAD_READING),
+        (step, STEPS_S[0] * rate_hz, STEPS_S[1] * rate_hz, Status.BAD_STEP),
     ):
-        above = graph("GreaterOrEqual", source, graph.constant(f"{name}_low", [low]))
-        below = graph("LessOrEqual", source, graph.constant(f"{name}_high", [high]))
-        wrong = graph("Number", graph("Not", graph("And", above, below)))
-        flags.append(graph("Mul", wrong, graph.constant(f"{name}_flag", [float(flag)])))
+        within = graph("And", graph("GreaterOrEqual", source, [low]), graph("LessOrEqual", source, [high]))
+        flags.append(graph("Mul", graph("Number", graph("Not", within)), [float(flag)]))
     return graph("Add", *flags)
 
 
@@ -179,41 +165,38 @@ def _status(
     """What is out of the range of the training, or, where the sample is faulty, that."""
     seen = ranges_of(compensator)
 
-    def outside(name: str, source: str, low: Any, high: Any) -> str:
-        below = graph("Less", source, graph.constant(f"{name}_low", low))
-        return graph("Number", graph("Or", below, graph("Greater", source, graph.constant(f"{name}_high", high))))
+    def outside(source: str, low: Any, high: Any) -> str:
+        return graph("Number", graph("Or", graph("Less", source, low), graph("Greater", source, high)))
 
-    strange = outside("seen", reading, [seen.low], [seen.high])
-    unknown = graph("ReduceMax", outside("inputs", features, seen.inputs_low, seen.inputs_high), axes=[0])
+    strange = outside(reading, [seen.low], [seen.high])
+    unknown = graph("ReduceMax", outside(features, seen.inputs_low, seen.inputs_high), axes=[0])
     begun = graph("ReduceMax", starting, axes=[0])
     flags = ((strange, Status.UNSEEN_READING), (unknown, Status.UNSEEN_HISTORY), (begun, Status.STARTING))
-    terms = [graph("Mul", name, graph.constant(f"flag_{flag.name}", [float(flag)])) for name, flag in flags]
+    terms = [graph("Mul", name, [float(flag)]) for name, flag in flags]
     total = graph("Add", graph("Add", terms[0], terms[1]), terms[2])
-    graph("Where", graph("Equal", fault, "zero"), total, fault, out="status")
+    graph("Where", graph("Equal", fault, ZERO), total, fault, out="status")
 
 
 def _features(graph: _Graph, compensator: TrainedCompensator) -> tuple[str, str, str]:
     """Names of the networks' inputs, of the standardised reading, and of "this filter is still starting"."""
-    filters, begin, limits = len(compensator.alphas), beginning_of(compensator), limits_of(compensator)
-    centred = graph("Sub", "conductance_S", graph.constant("mean_in", [compensator.scaling_in.mean]))
-    reading = graph("Div", centred, graph.constant("scale_in", [compensator.scaling_in.scale]))
-    raised = graph("Max", reading, graph.constant("limit_low", [limits[0]]))
-    x = graph("Min", raised, graph.constant("limit_high", [limits[1]]))
-    later = graph("Greater", "counted", "zero")
+    filters, begin, (low, high) = len(compensator.alphas), beginning_of(compensator), limits_of(compensator)
+    centred = graph("Sub", "conductance_S", [compensator.scaling_in.mean])
+    reading = graph("Div", centred, [compensator.scaling_in.scale])
+    x = graph("Min", graph("Max", reading, [low]), [high])
+    later = graph("Greater", "counted", ZERO)
     # No step, no input: the first sample only starts the filters.
-    steps = graph("Where", later, "steps", "zero")
-    keep = graph("Exp", graph("Mul", graph.constant("log_keep", log_retention(compensator.alphas)), steps))
+    steps = graph("Where", later, "steps", ZERO)
+    keep = graph("Exp", graph("Mul", log_retention(compensator.alphas), steps))
     moved = graph("Mul", keep, graph("Sub", "forced", x))
     forced = graph("Where", later, graph("Add", x, moved), "forced", out="fresh_forced")
     fading = graph("Mul", "fading", keep, out="fresh_fading")
     elapsed = graph("Add", "elapsed", steps, out="fresh_elapsed")
-    lengths = start_samples(compensator.alphas, compensator.rate_hz) - 0.5
-    early = graph("Less", elapsed, graph.constant("start_steps", lengths))
-    starting = graph("Number", graph("Or", early, graph("Equal", "seen", "zero")))
+    early = graph("Less", elapsed, start_steps(compensator.alphas, compensator.rate_hz))
+    starting = graph("Number", graph("Or", early, graph("Equal", "seen", ZERO)))
     sums = graph("Add", "sums", graph("Mul", starting, x), out="fresh_sums")
     seen = graph("Add", "seen", starting, out="fresh_seen")
-    told = graph("Mul", graph.constant("begin_gain", begin.gain[:filters]), graph("Div", sums, seen))
-    initial = graph("Add", graph.constant("begin_offset", begin.offset[:filters]), told)
+    told = graph("Mul", begin.gain[:filters], graph("Div", sums, seen))
+    initial = graph("Add", begin.offset[:filters], told)
     smoothed = graph("Add", forced, graph("Mul", fading, initial))
     return _with_history(graph, compensator, x, later, steps, smoothed), reading, starting
 
@@ -225,39 +208,35 @@ def _with_history(
     history, parts, begin = compensator.history, [smoothed], beginning_of(compensator)
     if not history.count:
         return smoothed
-    dt = graph("Div", steps, graph.constant("rate", [compensator.rate_hz]))
+    dt = graph("Div", steps, [compensator.rate_hz])
     motions, at = len(history.motion_taus_s), len(compensator.alphas)
 
-    def gain(name: str, taus_s: Sequence[float]) -> str:
-        decay = graph("Exp", graph("Mul", dt, graph.constant(name, -1.0 / np.asarray(taus_s))))
-        return graph("Sub", graph.constant(f"{name}_one", [1.0]), decay)
+    def gain(taus_s: Sequence[float]) -> str:
+        return graph("Sub", [1.0], graph("Exp", graph("Mul", dt, -1.0 / np.asarray(taus_s))))
 
-    def begun(name: str, rows: slice) -> str:
-        told = graph("Mul", graph.constant(f"{name}_begin_gain", begin.gain[rows]), x)
-        return graph("Add", graph.constant(f"{name}_begin_offset", begin.offset[rows]), told)
+    def begun(rows: slice) -> str:
+        return graph("Add", begin.offset[rows], graph("Mul", begin.gain[rows], x))
 
-    step = graph("Mul", gain("settle", [history.settle_s]), graph("Sub", x, "settled"))
+    step = graph("Mul", gain([history.settle_s]), graph("Sub", x, "settled"))
     settled = graph("Where", later, graph("Add", "settled", step), x, out="fresh_settled")
     if history.motion_taus_s:
-        safe = graph("Max", dt, graph.constant("instant", [1e-9]))
-        change = graph("Sub", graph("Div", graph("Abs", step), safe), "motion")
-        moved = graph("Add", "motion", graph("Mul", gain("motion_per_s", history.motion_taus_s), change))
-        parts.append(graph("Where", later, moved, begun("motion", slice(at, at + motions)), out="fresh_motion"))
+        speed = graph("Div", graph("Abs", step), graph("Max", dt, [1e-9]))  # no division by the first sample's zero
+        change = graph("Mul", gain(history.motion_taus_s), graph("Sub", speed, "motion"))
+        moved = graph("Add", "motion", change)
+        parts.append(graph("Where", later, moved, begun(slice(at, at + motions)), out="fresh_motion"))
     if history.play_radii:
-        radii = graph.constant("radii", history.play_radii)
-        low, high = graph("Sub", settled, radii), graph("Add", settled, radii)
-        held = graph("Where", later, "play", begun("play", slice(at + motions, None)))
+        low, high = graph("Sub", settled, history.play_radii), graph("Add", settled, history.play_radii)
+        held = graph("Where", later, "play", begun(slice(at + motions, None)))
         parts.append(graph("Max", low, graph("Min", high, held), out="fresh_play"))
     return graph("Concat", *parts, axis=0)
 
 
 def _networks(graph: _Graph, compensator: TrainedCompensator, features: str) -> None:
     outputs = []
-    for index, network in enumerate(compensator.networks):
+    for network in compensator.networks:
         value = features
         for layer, (weight, bias) in enumerate(zip(network.weights, network.biases, strict=True)):
-            product = graph("MatMul", value, graph.constant(f"w{index}_{layer}", weight))
-            value = graph("Add", product, graph.constant(f"b{index}_{layer}", bias))
+            value = graph("Add", graph("MatMul", value, weight), bias)
             if layer < len(network.weights) - 1:
                 value = graph("Relu", value)
         outputs.append(value)
@@ -265,5 +244,4 @@ def _networks(graph: _Graph, compensator: TrainedCompensator, features: str) -> 
     for output in outputs[1:]:
         total = graph("Add", total, output)
     share = compensator.scaling_out.scale / len(outputs)
-    scaled = graph("Mul", total, graph.constant("scale_out", [share]))
-    graph("Add", scaled, graph.constant("mean_out", [compensator.scaling_out.mean]), out="fresh_prediction")
+    graph("Add", graph("Mul", total, [share]), [compensator.scaling_out.mean], out="fresh_prediction")

@@ -68,6 +68,11 @@ def start_samples(alphas: Sequence[float] | FloatArray, rate_hz: float) -> NDArr
     return np.ceil(exact * (1 - 1e-12)).astype(np.int64)
 
 
+def start_steps(alphas: Sequence[float] | FloatArray, rate_hz: float) -> FloatArray:
+    """Steps of the bank within which those samples lie; at no usual rate does one lie just there."""
+    return start_samples(alphas, rate_hz) - 0.495
+
+
 def slowest_memory_s(alphas: Sequence[float] | FloatArray, rate_hz: float) -> float:
     """Time constant (s) of the slowest filter of a bank."""
     return 1.0 / (rate_hz * float(min(alphas)))
@@ -115,8 +120,8 @@ def smooth(
     elapsed = np.concatenate([[0.0], np.cumsum(steps)])
     gain, offset = affine or (np.ones(len(alphas)), np.zeros(len(alphas)))
     out = np.empty((len(x), len(alphas)))
-    for column, (alpha, count) in enumerate(zip(alphas, start_samples(alphas, rate_hz), strict=True)):
-        within = max(int(np.searchsorted(elapsed, count - 0.5)), 1)
+    for column, (alpha, long) in enumerate(zip(alphas, start_steps(alphas, rate_hz), strict=True)):
+        within = int(np.searchsorted(elapsed, long))
         initial = offset[column] + gain[column] * _initial_values(x, within, start)
         retention = np.exp(log_retention(alpha) * steps)
         weight = np.concatenate([[1.0], np.cumprod(retention)])
@@ -129,7 +134,5 @@ def _initial_values(x: FloatArray, count: int, start: str) -> FloatArray | float
     head = x[:count]
     if start == "paper":
         return float(head.mean())
-    if start != "causal":
-        raise UserError(f"the bank's start must be 'paper' or 'causal', got {start!r}")
     seen = np.cumsum(head) / np.arange(1, len(head) + 1)
     return np.concatenate([seen, np.full(len(x) - len(head), seen[-1])])

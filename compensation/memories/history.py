@@ -33,7 +33,6 @@ class History:
 
     @property
     def count(self) -> int:
-        """Number of features."""
         return len(self.motion_taus_s) + len(self.play_radii)
 
     def features(self, x: FloatArray, dt_s: FloatArray, held: FloatArray | None = None) -> FloatArray:

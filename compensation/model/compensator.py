@@ -34,11 +34,9 @@ class Scaling:
         return cls(float(np.mean(values)), float(np.std(values)))
 
     def apply(self, values: FloatArray) -> FloatArray:
-        """Standardise."""
         return (values - self.mean) / self.scale
 
     def invert(self, values: FloatArray) -> FloatArray:
-        """Back to physical units."""
         return values * self.scale + self.mean
 
 

@@ -8,7 +8,7 @@ import os
 from pathlib import Path
 
 from compensation.model.files import load
-from compensation.model.runtime import LONGEST_STEP_S, SHORTEST_STEP_S, Status
+from compensation.model.runtime import STEPS_S, Status
 from compensation.model.streaming import CompensatorStream
 from compensation.series.preprocessing import TARGETS
 from gcode.support import disk
@@ -95,7 +95,7 @@ class LiveCompensator:
         a pause of more than an hour, or a restart of the rig, what the memories hold means nothing.
         """
         steps_s = [(time_us - before) * 1e-6 for before in (self._last_us, self._odd_us) if before is not None]
-        fits = [SHORTEST_STEP_S <= step_s <= LONGEST_STEP_S for step_s in steps_s]
+        fits = [STEPS_S[0] <= step_s <= STEPS_S[1] for step_s in steps_s]
         self._odd_us = None if any(fits) or self._last_us is None else time_us
         if fits[1:] == [True] and not fits[0]:
             self._stream.reset()
@@ -103,7 +103,6 @@ class LiveCompensator:
         return steps_s[0] if self._last_us is not None else None
 
     def close(self) -> None:
-        """Close the file."""
         if self._file is not None:
             os.close(self._file)
             self._file = None

@@ -10,16 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compensation.engines.network import mean_output
-from compensation.memories.ema import start_samples
+from compensation.memories.ema import start_steps
 from compensation.model.compensator import Fitted, TrainedCompensator, trained
-from compensation.model.runtime import (
-    LARGEST_CONDUCTANCE_S,
-    LONGEST_STEP_S,
-    SHORTEST_STEP_S,
-    SMALLEST_CONDUCTANCE_S,
-    Status,
-    ranges_of,
-)
+from compensation.model.runtime import READINGS_S, STEPS_S, Status, ranges_of
 from compensation.series.preprocessing import TARGETS
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
@@ -125,7 +118,7 @@ def predicted(compensator: TrainedCompensator | Fitted, time_s: FloatArray, resi
     status = _faults(time_s, conductance_S)
     value = np.full(len(status), compensator.scaling_out.mean)
     good = np.flatnonzero(status == 0)
-    breaks = np.flatnonzero(np.diff(time_s[good]) > LONGEST_STEP_S) + 1
+    breaks = np.flatnonzero(np.diff(time_s[good]) > STEPS_S[1]) + 1
     for rows in np.split(good, breaks):
         if len(rows):
             value[rows], status[rows] = _run(compensator, time_s[rows], conductance_S[rows])
@@ -135,12 +128,12 @@ def predicted(compensator: TrainedCompensator | Fitted, time_s: FloatArray, resi
 
 
 def _faults(time_s: FloatArray, conductance_S: FloatArray) -> NDArray[np.int64]:
-    wrong = ~((conductance_S >= SMALLEST_CONDUCTANCE_S) & (conductance_S <= LARGEST_CONDUCTANCE_S))
+    wrong = ~((conductance_S >= READINGS_S[0]) & (conductance_S <= READINGS_S[1]))
     status = np.where(wrong, int(Status.BAD_READING), 0)
     # A step is counted from the last good sample, so this cannot be done at once.
     last, in_order = None, _in_order(time_s)
     for row, (now, fault) in enumerate(zip(time_s, wrong, strict=True)):
-        if not in_order[row] or (last is not None and not now - last >= SHORTEST_STEP_S):
+        if not in_order[row] or (last is not None and not now - last >= STEPS_S[0]):
             status[row] |= int(Status.BAD_STEP)
         elif not fault:
             last = now
@@ -174,7 +167,7 @@ def _run(
     status = np.where((reading < seen.low) | (reading > seen.high), int(Status.UNSEEN_READING), 0)
     outside = ((features < seen.inputs_low) | (features > seen.inputs_high)).any(axis=1)
     status[outside] |= int(Status.UNSEEN_HISTORY)
-    longest = start_samples(compensator.alphas, compensator.rate_hz).max() - 0.5
+    longest = start_steps(compensator.alphas, compensator.rate_hz).max()
     status[(time_s - time_s[0]) * compensator.rate_hz < longest] |= int(Status.STARTING)
     return compensator.scaling_out.invert(mean_output(compensator.networks, features)), status
 

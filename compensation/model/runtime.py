@@ -3,8 +3,8 @@
 A worn sensor is read through loose contacts and switched on at any moment. The stream, the C header and the ONNX
 model follow the same three rules:
 
-- *A faulty sample changes nothing*: a reading that is not finite or not positive, or a time step that is not between
-  `SHORTEST_STEP_S` and `LONGEST_STEP_S`, leaves the state as it was, repeats the last value and says so.
+- *A faulty sample changes nothing*: a reading that is not finite or not positive, or a time step that is not within
+  `STEPS_S`, leaves the state as it was, repeats the last value and says so.
 - *What was not seen in training is said*: a conductance, or a memory, outside the range of the training sets a
   status. The conductance that goes into the memories is held within one width of that range to either side, so that
   a single spike cannot fill them for minutes.
@@ -20,7 +20,7 @@ from enum import IntFlag
 
 import numpy as np
 
-from compensation.memories.ema import start_samples
+from compensation.memories.ema import start_steps
 from compensation.model.compensator import Beginning, Seen, TrainedCompensator
 from compensation.series.preprocessing import Series
 from gcode.support.arrays import FloatArray
@@ -28,11 +28,11 @@ from gcode.support.errors import UserError
 
 # Limits are numbers that single and double precision hold alike, so that all runtimes refuse the same samples.
 # About a microsecond, and an hour: a longer pause is a new start.
-SHORTEST_STEP_S, LONGEST_STEP_S = 2.0**-20, 3600.0
+STEPS_S = (2.0**-20, 3600.0)
 # Of a compensator: the step from one sample to the next is neither of these.
-SMALLEST_RATE_HZ, LARGEST_RATE_HZ = 1 / LONGEST_STEP_S, 1 / SHORTEST_STEP_S
+SMALLEST_RATE_HZ, LARGEST_RATE_HZ = 1 / STEPS_S[1], 1 / STEPS_S[0]
 # What single precision holds as a normal number (about 1e-37 to 1.7e38).
-SMALLEST_CONDUCTANCE_S, LARGEST_CONDUCTANCE_S = 2.0**-123, 2.0**127
+READINGS_S = (2.0**-123, 2.0**127)
 # Where no range is known: standard deviations that a float32 can square.
 UNKNOWN_LIMIT = 1e6
 
@@ -66,10 +66,10 @@ def check_streams(compensator: TrainedCompensator) -> None:
     if seen is None or "recalibrated" in compensator.recipe:
         return
     low, high = (compensator.scaling_in.invert(np.array(end)) for end in (seen.low, seen.high))
-    if not (low >= SMALLEST_CONDUCTANCE_S and high <= LARGEST_CONDUCTANCE_S):
+    if not (low >= READINGS_S[0] and high <= READINGS_S[1]):
         raise UserError(
             f"the compensator was trained on values from {low:.4g} to {high:.4g}; a stream, a file and a chip take "
-            f"conductances in S, from {SMALLEST_CONDUCTANCE_S:.2g} to {LARGEST_CONDUCTANCE_S:.2g}: train on these, "
+            f"conductances in S, from {READINGS_S[0]:.2g} to {READINGS_S[1]:.2g}: train on these, "
             "without a logarithm or a scaler before it"
         )
 
@@ -103,9 +103,9 @@ def fault_of(conductance_S: float, step_s: float) -> Status:
     """What is wrong with a sample itself."""
     fault = Status.GOOD
     # Comparisons with a NaN are false.
-    if not SMALLEST_CONDUCTANCE_S <= conductance_S <= LARGEST_CONDUCTANCE_S:
+    if not READINGS_S[0] <= conductance_S <= READINGS_S[1]:
         fault |= Status.BAD_READING
-    if not SHORTEST_STEP_S <= step_s <= LONGEST_STEP_S:
+    if not STEPS_S[0] <= step_s <= STEPS_S[1]:
         fault |= Status.BAD_STEP
     return fault
 
@@ -130,8 +130,7 @@ def _expected_memories(
 ) -> Beginning:
     """Regression of every memory on the mean of the reading over as long as its start is taken from."""
     lasting = np.zeros(compensator.input_count)
-    # As `smooth` counts: M samples of the bank's rate last M - 0.5 steps.
-    lasting[: len(compensator.alphas)] = start_samples(compensator.alphas, compensator.rate_hz) - 0.5
+    lasting[: len(compensator.alphas)] = start_steps(compensator.alphas, compensator.rate_hz)
     steps = [(part.time_s - part.time_s[0]) * compensator.rate_hz for part in series]
     gains, offsets = np.zeros(compensator.input_count), np.zeros(compensator.input_count)
     for column, long in enumerate(lasting):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from compensation.engines.network import mean_output
-from compensation.memories.ema import log_retention, start_samples
+from compensation.memories.ema import log_retention, start_steps
 from compensation.memories.history import RunningHistory
 from compensation.model.compensator import Fitted, TrainedCompensator, trained
 from compensation.model.runtime import Status, beginning_of, check_streams, fault_of, limits_of, ranges_of
@@ -55,7 +55,7 @@ class CompensatorStream:
         check_streams(compensator)
         self._compensator, self.margins = compensator, compensator.margins
         self._log_keep = log_retention(compensator.alphas)
-        self._lengths = start_samples(compensator.alphas, compensator.rate_hz)
+        self._lengths = start_steps(compensator.alphas, compensator.rate_hz)
         self._seen_in_training, self._beginning = ranges_of(compensator), beginning_of(compensator)
         self._limits = limits_of(compensator)
         self.reset()
@@ -117,7 +117,7 @@ class CompensatorStream:
             keep = np.exp(self._log_keep * steps)
             self._forced = x + keep * (self._forced - x)
             self._fading = self._fading * keep
-        starting = (self._elapsed_steps < self._lengths - 0.5) | (self._seen == 0)
+        starting = (self._elapsed_steps < self._lengths) | (self._seen == 0)
         self._sums[starting] += x
         self._seen[starting] += 1
         initial = begin.offset[:count] + begin.gain[:count] * self._sums / self._seen

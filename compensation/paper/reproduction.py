@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compensation.engines.engine import engine
+from compensation.engines.engine import ENGINES
 from compensation.series import score
 from compensation.series.preprocessing import Series, series_of
 from compensation.training.options import Options
@@ -26,7 +27,6 @@ class Seeds:
     r2: FloatArray  # (seeds, recordings)
     dead: NDArray[np.bool_]  # (seeds,)
     training_r2: FloatArray  # (seeds,)
-    predictions: tuple[FloatArray, ...]  # one a recording, (seeds, n), in the target's unit
 
     @property
     def live(self) -> FloatArray:
@@ -54,37 +54,38 @@ def over_seeds(
     features, truth = training_arrays(blank, [training])
     inputs = [blank.features(part.time_s, part.conductance_S) for part in tests]
     scales = [scaling_of_target(blank, part) for part in tests]
-    predictions, dead, fitted = [], [], []
+    scores, dead, fitted = [], [], []
     for seed in range(seeds):
-        network = engine(options.engine)(features, truth, options.sizes, seed, options.l2).network
-        predictions.append([scale.invert(network(values)) for scale, values in zip(scales, inputs, strict=True)])
+        network = ENGINES[options.engine](features, truth, options.sizes, seed, options.l2).network
+        outputs = [scale.invert(network(values)) for scale, values in zip(scales, inputs, strict=True)]
+        scores.append([score.r2(part.truth, output) for part, output in zip(tests, outputs, strict=True)])
         dead.append(network.is_dead(features))
         fitted.append(score.r2(truth, network(features)))
-    scores = [
-        [score.r2(part.truth, output) for part, output in zip(tests, outputs, strict=True)] for outputs in predictions
-    ]
-    by_recording = tuple(np.array(outputs) for outputs in zip(*predictions, strict=True))
-    return Seeds(np.array(scores), np.array(dead), np.array(fitted), by_recording)
+    return Seeds(np.array(scores), np.array(dead), np.array(fitted))
 
 
-def baselines(training: Series, tests: Sequence[Series], target: str) -> dict[str, list[float]]:
-    """The regressors that the paper compares with, on the same smoothed features: name -> r2 on each test."""
+def regressors(seed: int = 0) -> dict[str, Any]:
+    """scikit-learn's that the paper compares with, not fitted yet."""
     from sklearn.ensemble import RandomForestRegressor
     from sklearn.linear_model import LinearRegression
     from sklearn.pipeline import make_pipeline
     from sklearn.preprocessing import PolynomialFeatures
 
-    blank = untrained([training], target, PUBLISHED)
-    features, truth = training_arrays(blank, [training])
-    # Every 5th row: a forest over neighbours 50 ms apart only memorises them.
-    regressors = {
+    return {
         "linear": LinearRegression(),
         "polynomial, 3rd order": make_pipeline(PolynomialFeatures(3), LinearRegression()),
         "polynomial, 4th order": make_pipeline(PolynomialFeatures(4), LinearRegression()),
-        "random forest": RandomForestRegressor(n_estimators=50, min_samples_leaf=5, random_state=0),
+        "random forest": RandomForestRegressor(n_estimators=50, min_samples_leaf=5, random_state=seed),
     }
+
+
+def baselines(training: Series, tests: Sequence[Series], target: str) -> dict[str, list[float]]:
+    """These regressors on the smoothed features: name -> r2 on each test."""
+    blank = untrained([training], target, PUBLISHED)
+    features, truth = training_arrays(blank, [training])
     found = {}
-    for name, regressor in regressors.items():
+    for name, regressor in regressors().items():
+        # Every 5th row: a forest over neighbours 50 ms apart only memorises them.
         regressor.fit(features[::5], truth[::5])
         outputs = [regressor.predict(blank.features(part.time_s, part.conductance_S)) for part in tests]
         scaled = [blank.scaling_out.invert(output) for output in outputs]

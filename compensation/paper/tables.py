@@ -109,7 +109,8 @@ def transfer(recordings: Specimens, seeds: int, engine: str = "exact") -> str:
     lines = [
         f"Force on the fast 0-50 % campaign (test fast-A), live seeds of {seeds}: median r2 over sensors (its gain)",
         f"  {'paper':6} raw {paper.raw:.3f}; gains: trained on 0-30 % {paper.gain_trained_slow:+.0%}, "
-        f"on 0-50 % {paper.gain_trained_there:+.0%}, with a = 1.75 {paper.gain_trained_there_finer:+.0%}",
+        f"on 0-50 % {paper.gain_trained_there:+.0%}, with a = 1.75 {paper.gain_trained_there_finer:+.0%}; "
+        "one recording from {:.3f} to {:.3f}".format(*paper.extreme),
     ]
     for sensor, several in recordings.items():
         series = [ours.prepared(runs, "force") for runs in several]

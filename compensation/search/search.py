@@ -9,7 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from compensation.engines.engine import DEFAULT_L2, engine
+from compensation.engines.engine import DEFAULT_L2, ENGINES
 from compensation.memories.ema import PAPER_RATE_HZ
 from compensation.search.search_space import Candidate
 from compensation.series.preprocessing import Series, series_of
@@ -42,7 +42,7 @@ class Task:
 def evaluate(task: Task, candidate: Candidate, seed: int) -> dict[str, Any]:
     """Train one candidate from one seed on the first recording, score it on the other two."""
     (features, truth), *tests = _arrays(task, candidate.bank.alphas)
-    network = engine(task.engine)(features, truth, candidate.sizes, seed, DEFAULT_L2).network
+    network = ENGINES[task.engine](features, truth, candidate.sizes, seed, DEFAULT_L2).network
     scores = [r2(target, network(inputs)) for inputs, target in tests]
     return {
         "key": candidate.key,

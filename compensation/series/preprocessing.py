@@ -41,7 +41,6 @@ class Series:
         return hashlib.sha256(self.conductance_S.tobytes()).hexdigest()
 
     def rows(self, rows: NDArray[np.intp]) -> Series:
-        """The series of some of its samples."""
         return Series(self.time_s[rows], self.conductance_S[rows], self.truth[rows], self.source)
 
 
@@ -85,7 +84,7 @@ def reference_of(recording: Recording, target: str, rate_hz: float | None) -> Se
 
 def _present(recording: Recording, target: str) -> str:
     """Channel of the target, which the recording has, and a resistance beside it."""
-    channel = target_channel(target)
+    channel, _ = TARGETS[target]
     for name in (RESISTANCE, channel):
         if not recording.has(name):
             have = ", ".join(recording.channels)
@@ -109,10 +108,3 @@ def sampled(recording: Recording, channel: str, rate_hz: float | None) -> Series
 def stands_still(values: FloatArray) -> bool:
     """Whether a signal is constant, but for rounding: nothing can be learned from it."""
     return bool(np.ptp(values) <= 1e-12 * np.abs(values).max())
-
-
-def target_channel(target: str) -> str:
-    """The recording's channel for a target: ``force_N`` for ``force``, ``displacement_mm`` for ``displacement``."""
-    if target not in TARGETS:
-        raise UserError(f"--target must be {' or '.join(TARGETS)}, got {target}")
-    return TARGETS[target][0]

@@ -14,7 +14,6 @@ from testbench.recordings.files import check_beside, read_recording, verified
 from testbench.recordings.recording import Recording
 
 UNKNOWN_LENGTH_MM = 1.0
-TIMES_THE_RANGE = 1.0
 
 
 def read_signals(path: str | Path, gauge_length_mm: float | None = None) -> Recording:
@@ -33,8 +32,8 @@ def read_signals(path: str | Path, gauge_length_mm: float | None = None) -> Reco
         raise UserError(f"{path}: no {RESISTANCE} (found: {', '.join(columns)}); name yours with `testbench import`")
     if not columns.keys() & {DISPLACEMENT, FORCE}:
         raise UserError(
-            f"{path}: neither {FORCE} nor {DISPLACEMENT} (found: {', '.join(columns)}), so there is no reference to "
-            "learn from; `compensation predict` needs none"
+            f"{path}: neither {FORCE} nor {DISPLACEMENT} (found: {', '.join(columns)}), so there is no reference; "
+            "name yours, be it a strain, with `testbench import`; `compensation predict` needs none"
         )
     if DISPLACEMENT in columns or TIME not in columns or not {FORCE, RESISTANCE} <= columns.keys():
         return read_recording(path, length_mm)
@@ -87,7 +86,7 @@ def check_tared(recording: Recording, target: str, reach_N: float | None = None)
     low, high = np.quantile(force_N, [0.01, 0.99])
     nearest = min(abs(low), abs(high)) if low * high > 0 else 0.0
     near = "near zero" if reach_N is None else f"within {reach_N:.3g} N of zero, as far as the training went"
-    if nearest > (reach_N or TIMES_THE_RANGE * (high - low) or np.inf):  # a constant is refused as one
+    if nearest > (reach_N or high - low or np.inf):  # a constant is refused as one
         raise UserError(
             f"{recording.source}: force_N lies between {low:.3g} and {high:.3g} N and never comes {near}: it was not "
             "tared; take the reading of the unloaded cell off it (`testbench import`), or correct the column"

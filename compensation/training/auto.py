@@ -8,14 +8,10 @@ The parts, from the simplest on:
 - *networks*: several small networks on bank, motion and play with strong L2; memories and L2 chosen within.
 - *stack*: the last three, each with a weight (stacked regression; Breiman, Machine Learning 24 (1996) 49).
 
-Each predicts every fold from the others and makes all its own choices there, scalers and ranges among them. Folds are
-whole recordings where there are three or more and none outweighs the others (`compensation.training.folds`),
-contiguous fifths of all rows otherwise; each fold is predicted as a recording of its own, its memories beginning with
-its first sample, and again as if it had been slower or quicker: what only knows the timing of the training's motion
-fails there. The stack's weights are those that fit all these predictions best, none of them negative; its own figures
-are of weights that were found without the fold, at the pace of the recording. It is taken where it predicts better
-than the line does; else the line is, and that is said. Of methods that one recording cannot tell apart, a pick would
-be chance; the weights share the risk of another motion or another day.
+Each predicts every fold (`compensation.training.folds`) from the others and makes all its own choices there, scalers
+and ranges among them; at the pace of the recording, and as if it had been slower or quicker. The stack's own figures
+are of weights that were found without the fold. Of methods that one recording cannot tell apart, a pick would be
+chance; the weights share the risk of another motion or another day. Why, and what it brings: docs/compensation.md.
 """
 
 from __future__ import annotations
@@ -36,13 +32,13 @@ from compensation.training.intervals import of_another, of_one_recording
 from compensation.training.learners import PACES, Learner, Line, Networks, Paper, Ridge
 from compensation.training.options import Options
 from compensation.training.recalibration import one_sigma_changes
-from compensation.training.stacking import STACK, choose, stacked, weights_of
 from compensation.training.untrained import describe
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from testbench.recordings.recording import recorded_duration_s
 
 LEARNERS: tuple[type[Learner], ...] = (Line, Ridge, Paper, Networks)
+STACK, STACKED = "stack", tuple(kind.name for kind in (Ridge, Paper, Networks))
 
 
 def train_automatically(
@@ -170,6 +166,46 @@ def cross_validated(
             found[name][:, folds == number] = learner.predict(learner.fit(), parts)
             progress(f"{name}, fold {number + 1}")
     return found
+
+
+def choose(predictions: Mapping[str, FloatArray], truth: FloatArray) -> str:
+    """The stack where it predicts better than the line, by however little; else the line.
+
+    The stack has learned from copies at other levels and paces, the line from the recording as it is: where one
+    recording cannot tell the two apart, another one mostly can.
+    """
+    line, stack = (np.mean((truth - predictions[name]) ** 2) for name in (Line.name, STACK))
+    return STACK if stack < line else Line.name
+
+
+def weights_of(predictions: Mapping[str, FloatArray], truth: FloatArray) -> dict[str, float]:
+    """The weights of the stack's parts that fit best, none negative, together 1; a part without weight is left out.
+
+    With weights that sum to 1 the error of the stack is the weighted sum of the parts' errors. The sum s of weights
+    that minimise ``|errors w|^2 + (1 - sum w)^2`` alone depends on the size of that error, not how they share it out:
+    at shares v the best s leaves ``q / (1 + q)``, which rises with ``q = |errors v|^2``.
+
+    Parameters
+    ----------
+    predictions : mapping of ndarray, each shape (paces, n)
+    truth : ndarray, shape (n,)
+    """
+    from scipy.optimize import nnls
+
+    errors = np.column_stack([(predictions[name] - truth).ravel() for name in STACKED])
+    ones = np.full(len(STACKED), max(float(np.linalg.norm(errors)), 1e-12))
+    found, _ = nnls(np.vstack([errors, ones]), np.append(np.zeros(len(errors)), ones[0]))
+    return {name: float(w) for name, w in zip(STACKED, found / found.sum(), strict=True) if w > 0}
+
+
+def stacked(predictions: Mapping[str, FloatArray], truth: FloatArray, folds: NDArray[np.int64]) -> FloatArray:
+    """What the stack predicts of each fold at the pace of the recording, with weights from the other folds."""
+    result = np.empty(len(truth))
+    for number in np.unique(folds):
+        here = folds == number
+        weights = weights_of({name: predictions[name][:, ~here] for name in STACKED}, truth[~here])
+        result[here] = sum(weight * predictions[name][0, here] for name, weight in weights.items())
+    return result
 
 
 def _trained(

@@ -14,13 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compensation.engines.engine import engine
+from compensation.engines.engine import ENGINES
 from compensation.engines.network import Network, alive, mean_output
 from compensation.memories.history import NO_HISTORY, QUICK_SETTLE_S, History
 from compensation.series import score
 from compensation.series.preprocessing import Series
 from compensation.training.folds import FOLDS, contiguous
-from compensation.training.least_squares import Sums
 from compensation.training.lessons import Lessons, features_at_pace, lessons
 from compensation.training.options import PAPER_SIZES, Options
 from compensation.training.tuning import PLAY_RADII
@@ -99,6 +98,45 @@ class Line(Learner):
         return Learned((linear(np.array([slope]), float(y.mean() - slope * x.mean())),), {"l2": 0.0})
 
 
+@dataclass(frozen=True)
+class Sums:
+    """Sums over some rows of products of the features, a one and the target, each shape (k + 2, k + 2).
+
+    Of a ridge regression: folds are added and taken away without going through rows again.
+    """
+
+    learn: FloatArray  # averaged over all versions of the recording
+    judge: FloatArray  # of the first version alone, the recording as it is
+
+    @classmethod
+    def of(cls, lesson: Lessons, rows: Mask) -> Sums:
+        products = []
+        for version in lesson.versions:
+            x = np.column_stack([version[rows], np.ones(rows.sum()), lesson.truth[rows]])
+            products.append(x.T @ x)
+        return cls(np.sum(products, axis=0) / len(products), products[0])
+
+    @classmethod
+    def total(cls, parts: Sequence[Sums]) -> Sums:
+        return cls(sum(part.learn for part in parts), sum(part.judge for part in parts))  # type: ignore[arg-type]
+
+    def solved(self, l2: float) -> tuple[FloatArray, float]:
+        """Weights and bias; the penalty is on features of unit variance, in shares of the number of rows."""
+        count = self.learn[-2, -2]
+        mean = self.learn[:-2, -2] / count
+        covariance = self.learn[:-2, :-2] / count - np.outer(mean, mean)
+        target_mean = self.learn[-1, -2] / count
+        cross = self.learn[:-2, -1] / count - mean * target_mean
+        spread = np.sqrt(np.maximum(np.diag(covariance), 1e-12))
+        scaled = covariance / np.outer(spread, spread) + l2 * np.eye(len(spread))
+        weights = np.linalg.solve(scaled, cross / spread) / spread
+        return weights, float(target_mean - mean @ weights)
+
+    def error(self, weights: FloatArray, bias: float) -> float:
+        w = np.concatenate([weights, [bias, -1.0]])
+        return float(w @ self.judge @ w)
+
+
 class Ridge(Learner):
     """Ridge regression on bank, motion and play; its penalty is cross-validated within the recordings."""
 
@@ -128,7 +166,7 @@ class Paper(Learner):
     def fit(self) -> Learned:
         x, y, options = self.features[:, PAPERS], self.lessons.truth, self.options
         fits = [
-            engine(options.engine)(x, y, options.sizes, options.seed + start, options.l2) for start in range(STARTS)
+            ENGINES[options.engine](x, y, options.sizes, options.seed + start, options.l2) for start in range(STARTS)
         ]
         best = max(fits, key=lambda fit: score.r2(y, fit.network(x)))
         own = np.isin(np.arange(self.features.shape[1]), PAPERS)

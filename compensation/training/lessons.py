@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from compensation.engines.adam import BATCH, train_adam
+from compensation.engines.engine import BATCH, train_adam
 from compensation.engines.network import Network
 from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import ready_for_use
@@ -56,7 +56,8 @@ class Lessons:
         truth = np.concatenate([self.truth[rows] for rows in picks])
         # MLPRegressor divides L2 by the batch size: as much of it here as in batches of its own size.
         l2 = options.l2 * SMALL_BATCH / BATCH
-        return train_adam(features, truth, options.sizes, seed, l2, LESSON_EPOCHS, SMALL_BATCH, RATE, AVERAGING)[0]
+        fit = train_adam(features, truth, options.sizes, seed, l2, LESSON_EPOCHS, SMALL_BATCH, RATE, AVERAGING)
+        return fit.network
 
     def fit_on_all(self, options: Options, seed: int) -> Network:
         """Train one network on every row, for features as they come."""

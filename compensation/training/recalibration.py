@@ -66,7 +66,7 @@ def recalibrated(compensator: TrainedCompensator, part: Series) -> TrainedCompen
     ------
     UserError
         If less than 5 s were recorded; if most of the target is out of the training's reach; if it stands still while
-        the sensor moves; or if the compensator standardises each recording by itself.
+        the sensor moves, or the reverse; or if the compensator standardises each recording by itself.
     """
     if compensator.per_recording:
         raise UserError("a compensator trained with --per-recording knows no level that could be corrected")
@@ -192,8 +192,13 @@ def _without_outliers(compensator: TrainedCompensator, part: Series) -> tuple[Se
 
 
 def _check_of_this_sensor(compensator: TrainedCompensator, part: Series) -> None:
-    """Refuse a reference that stands still, as of a cell that is not connected, beside a sensor that moves."""
+    """Refuse a reference that stands still beside a sensor that moves, or the reverse: one is not connected."""
     spread = _spread(compensator, part.conductance_S)
+    if spread <= STILL and np.nanstd(part.truth) > MOST_AT_REST * compensator.scaling_out.scale:
+        raise UserError(
+            f"{part.source}: the conductance stands still (it spreads {spread:.2g} times as far as in the training) "
+            f"while the {compensator.target} moves; check that the sensor is connected, and resistance_ohm in ohm"
+        )
     if _still(compensator, part.truth) and spread > MOST_AT_REST:
         raise UserError(
             f"{part.source}: the {compensator.target} stands still at {np.nanmean(part.truth):.3g} "

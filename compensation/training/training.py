@@ -7,31 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from compensation.engines.engine import engine
+from compensation.engines.engine import ENGINES
 from compensation.engines.network import Network
 from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import ready_for_use
-from compensation.series.preprocessing import Series, series_of
+from compensation.series.preprocessing import Series
 from compensation.series.score import r2
 from compensation.training import auto, tuning
 from compensation.training.options import Options
 from compensation.training.untrained import describe, training_arrays, untrained
-from testbench.recordings.recording import Recording
 
 MORE_STARTS = 6
-
-
-def train(
-    recordings: Sequence[Recording],
-    target: str,
-    options: Options | None = None,
-    progress: Callable[[str], None] = lambda note: None,
-    method: str = "paper",
-) -> TrainedCompensator:
-    """Train a compensator by one of `METHODS` on recordings, each of which starts with fresh memories."""
-    options = options or Options()
-    series = [series_of(recording, target, options.resampling_hz) for recording in recordings]
-    return METHODS[method](series, target, options, progress)
 
 
 def train_on_series(
@@ -48,7 +34,7 @@ def train_on_series(
         len(networks) < tries and all(network.is_dead(features) for network in networks)
     ):
         seed = options.seed + len(networks)
-        networks.append(engine(options.engine)(features, truth, options.sizes, seed, options.l2).network)
+        networks.append(ENGINES[options.engine](features, truth, options.sizes, seed, options.l2).network)
         scores.append(r2(truth, networks[-1](features)))
         progress(f"seed {seed}: training r2 {scores[-1]:.4f}")
     best = int(np.argmax(scores))

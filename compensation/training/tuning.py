@@ -1,17 +1,10 @@
 """The tuned method: more memory, stronger L2, several networks; all chosen from the training recording alone.
 
-Four things make it better than the paper's network at the same input:
-
-- Memories that smoothing cannot have (`compensation.memories.history`), where cross-validation finds that they help.
-- L2 as strong as cross-validation finds right, and small-step training whose weights are averaged.
-- The state of a knit is never the same twice: the network is trained on the recording as it is and with its
-  conductance shifted a little up and down, so that it learns from changes rather than from absolute values.
-- The mean over several starts; dead ones are left out.
-
 Cross-validation predicts each half of the recording from the other, and each quarter from the rest: neighbouring
 samples are alike, so folds of single samples would judge nothing, and a test is at least as far from the training as
 its halves are from one another. One recording is a small sample all the same: which memories help is often left open.
-The networks are then shared out among all that are within two standard errors of the best.
+The networks are then shared out among all that are within two standard errors of the best. What each part is for:
+docs/compensation.md.
 """
 
 from __future__ import annotations

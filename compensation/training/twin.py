@@ -1,10 +1,9 @@
 """The twin method: learn on campaigns simulated from the fitted knit model, and on the short measurement itself.
 
-Two minutes of measurement do not show the drift of twenty. A knit model fitted on those two minutes does, as far as
-it is right. Nor do they tell every parameter: networks that learn from several models, which explain them about as
-well, learn what these have in common. The networks are of the tuned kind (`compensation.training.lessons`: memories
-of motion and play, strong L2, shifted states), and the measurement is part of every lesson, repeated until it weighs
-`SHARE`: finishing on it afterwards would teach the networks to forget the drift.
+Two minutes of measurement do not tell every parameter of a model: networks that learn from several models, which
+explain them about as well, learn what these have in common. The networks are of the tuned kind
+(`compensation.training.lessons`), and the measurement is part of every lesson, repeated until it weighs `SHARE`:
+finishing on it afterwards would teach the networks to forget the drift.
 """
 
 from __future__ import annotations
@@ -186,7 +185,6 @@ def draws(best: Fit, count: int, seed: int) -> list[KnitModel]:
 
 def _misfit(model: KnitModel, measurement: Measurement, best: Fit) -> float:
     """Mean square residual in units of the best fit's; infinite where the model gives no numbers."""
-    residuals: Sequence = list(measurement.residual(model).items())
-    squares = [np.mean((values[measurement.counts] / best.scale[channel]) ** 2) for channel, values in residuals]
-    total = float(np.sum(squares))
+    residuals = measurement.residual(model).items()
+    total = float(sum(np.mean((own[measurement.counts] / best.scale[name]) ** 2) for name, own in residuals))
     return total if np.isfinite(total) else np.inf

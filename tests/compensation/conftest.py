@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from compensation.series.preprocessing import series_of
+from compensation.training.options import Options
+from compensation.training.training import METHODS
 from testbench.knit.catalogue import baseline
 from testbench.knit.model import inputs
 from testbench.recordings.recording import Recording
@@ -44,6 +48,13 @@ def simulated_recording(seed: int, duration_s: float = 240.0, rate_hz: float = 2
         "resistance_ohm": 1.0 / read("conductance_S", 0.005),
     }
     return Recording(time_s, channels, GAUGE_MM, f"simulated-{seed}")
+
+
+def train(recordings: Sequence[Recording], target: str, options: Options | None = None, method: str = "paper"):
+    """A compensator that was trained by one of `METHODS` on these recordings."""
+    options = options or Options()
+    series = [series_of(recording, target, options.resampling_hz) for recording in recordings]
+    return METHODS[method](series, target, options)
 
 
 def paused(recording: Recording, at_s: float, gap_s: float) -> Recording:

@@ -21,7 +21,6 @@ from compensation.model.files import save as save_compensator
 from compensation.model.streaming import CompensatorStream
 from compensation.training.learners import WHOLE
 from compensation.training.options import Options
-from compensation.training.training import train
 from gcode.mach4.controller import play
 from gcode.mach4.reader import parse_program, read_program, read_text
 from gcode.programs.made_again import check_file
@@ -50,6 +49,7 @@ from testbench.rig.acquisition.recorder import Limits as Alarms
 from testbench.rig.acquisition.resume import continued, mend
 from testbench.rig.connection.parts import Chunk, End
 from testbench.rig.protocol.stream import Intake
+from tests.compensation.conftest import train
 from tests.fuzz import grammars
 from tests.testbench.builders import record as record_of
 from tests.testbench.builders import truth

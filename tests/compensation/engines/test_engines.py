@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from compensation.engines.adam import flatten, initial_network, unflatten
 from compensation.engines.engine import ENGINES
 from compensation.series.score import r2
 
@@ -44,10 +43,3 @@ def test_fast_engine_is_near_on_repetitive_data():
     features, target = problem(rows=30_000)
     exact, fast = (ENGINES[name](features, target, (16, 8), 0, 1e-4) for name in ("exact", "fast"))
     assert r2(target, fast.network(features)) > r2(target, exact.network(features)) - 0.03
-
-
-def test_flatten_round_trip():
-    network = initial_network((7, 4, 2, 1), np.random.RandomState(0))
-    again = unflatten(flatten(network), (7, 4, 2, 1))
-    for one, other in zip(network.weights + network.biases, again.weights + again.biases, strict=True):
-        np.testing.assert_array_equal(one, other)

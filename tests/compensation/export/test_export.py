@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from compensation.cli import main
-from compensation.export.chip_cost import code_bytes, cost
-from compensation.export.export_c import PROMISED, c_header, rounding
+from compensation.export.export_c import PROMISED, c_header, code_bytes, cost, rounding
 from compensation.export.export_onnx import write_onnx
 from compensation.export.onnx_stream import OnnxStream
 from compensation.memories.ema import start_samples
@@ -22,8 +21,9 @@ from compensation.model.compensator import Scaling
 from compensation.model.streaming import CompensatorStream
 from compensation.series.preprocessing import series_of
 from compensation.training.options import Options
-from compensation.training.training import train, train_on_series
+from compensation.training.training import train_on_series
 from gcode.support.errors import UserError
+from tests.compensation.conftest import train
 
 PROGRAM = """
 #include <stdio.h>
@@ -100,6 +100,13 @@ def test_irregular_and_resampled_agree(compensator, recordings):
 def test_c_header_compiled_equals_python(compensator, recordings, tmp_path, irregular):
     recording = recordings[2] if irregular else recordings[2].resampled(20.0)
     assert_c_equals_python(compensator, recording, tmp_path)
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc on this machine")
+@pytest.mark.parametrize("rate_hz", [40.0, 200.0])
+def test_c_header_equals_python_where_a_sample_falls_between_two_steps(compensator, recordings, tmp_path, rate_hz):
+    """A filter's start ended just there, so that rounding decided which samples it was the mean of."""
+    assert_c_equals_python(compensator, recordings[2].between(0, 40).resampled(rate_hz), tmp_path)
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc on this machine")

@@ -10,14 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compensation.export.chip_cost import cost
-from compensation.export.export_c import c_header
+from compensation.export.export_c import c_header, cost
 from compensation.memories.history import History
 from compensation.model.compensator import Scaling
 from compensation.model.runtime import Status
 from compensation.model.streaming import CompensatorStream
 from compensation.training.options import Options
-from compensation.training.training import train
+from tests.compensation.conftest import train
 
 SHIM = Path(__file__).parent / "arduino"
 SKETCH = Path(__file__).parents[3] / "firmware" / "knitbench_compensator"

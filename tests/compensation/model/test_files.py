@@ -12,9 +12,9 @@ from compensation.memories.history import History
 from compensation.model import files
 from compensation.model.compensator import Scaling
 from compensation.training.options import Options
-from compensation.training.training import train
 from gcode.support.errors import UserError
 from testbench.recordings.files import write_recording_csv
+from tests.compensation.conftest import train
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,6 @@ from compensation.model.live import LiveCompensator
 from compensation.model.runtime import Status
 from compensation.model.streaming import CompensatorStream
 from compensation.training.options import Options
-from compensation.training.training import train
 from gcode.support.errors import UserError
 from testbench.campaigns.following import live_compensator
 from testbench.campaigns.record import Job, begin, record
@@ -27,6 +26,7 @@ from testbench.rig.acquisition.status_words import as_text
 from testbench.rig.connection.parts import Chunk, End
 from testbench.rig.protocol.stream import Intake
 from testbench.rig.protocol.wire import Sample, encode
+from tests.compensation.conftest import train
 from tests.testbench.rig.rigs import program
 
 

@@ -20,11 +20,10 @@ from compensation.model.prediction import predicted
 from compensation.model.runtime import Status
 from compensation.model.streaming import CompensatorStream
 from compensation.training.options import Options
-from compensation.training.training import train
 from gcode.support.errors import UserError
 from testbench.recordings import doubts
 from testbench.recordings.files import write_recording_csv
-from tests.compensation.conftest import paused
+from tests.compensation.conftest import paused, train
 
 
 @pytest.fixture(scope="module")
@@ -171,7 +170,9 @@ def test_without_any_reference_there_is_nothing_to_learn(recordings, tmp_path, c
     write_recording_csv(tmp_path / "r.csv", recordings[0])
     pd.read_csv(tmp_path / "r.csv")[["time_s", "resistance_ohm"]].to_csv(tmp_path / "r.csv", index=False)
     assert main(["train", str(tmp_path / "r.csv"), "--target", "force", "-o", str(tmp_path / "c.json")]) == 2
-    assert "neither force_N nor displacement_mm (found: time_s, resistance_ohm)" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "neither force_N nor displacement_mm (found: time_s, resistance_ohm)" in said
+    assert "name yours, be it a strain, with `testbench import`" in said
 
 
 def test_an_untared_force_is_refused(recordings, tmp_path, capsys):

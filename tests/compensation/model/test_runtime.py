@@ -16,25 +16,19 @@ from compensation.export.export_onnx import write_onnx
 from compensation.export.onnx_stream import OnnxStream
 from compensation.memories.history import History
 from compensation.model import files as compensator_files
-from compensation.model.runtime import (
-    LARGEST_CONDUCTANCE_S,
-    LONGEST_STEP_S,
-    SHORTEST_STEP_S,
-    SMALLEST_CONDUCTANCE_S,
-    Status,
-)
+from compensation.model.runtime import READINGS_S, STEPS_S, Status
 from compensation.model.streaming import CompensatorStream
 from compensation.series.preprocessing import series_of
 from compensation.training.options import Options
-from compensation.training.training import train, train_on_series
+from compensation.training.training import train_on_series
 from gcode.support.errors import UserError
 from gcode.support.files import write_json
 from gcode.support.strict import read_json
-from tests.compensation.conftest import simulated_recording
+from tests.compensation.conftest import simulated_recording, train
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc on this machine")
 BAD_READINGS = (np.nan, np.inf, -np.inf, 0.0, -1e-6)
-BAD_STEPS = (np.nan, np.inf, -0.05, -20.0, 0.0, 2 * LONGEST_STEP_S)
+BAD_STEPS = (np.nan, np.inf, -0.05, -20.0, 0.0, 2 * STEPS_S[1])
 FAULTS = Status.BAD_READING | Status.BAD_STEP
 PROGRAM = """
 #include <stdio.h>
@@ -174,8 +168,8 @@ def test_every_runtime_has_the_same_limits(compensator, on_chip, in_onnx):
         return [float(one), *(float(np.nextafter(one, end)) for end in ends)]
 
     usual = compensator.scaling_in.mean
-    readings = [(one, 0.05) for limit in (SMALLEST_CONDUCTANCE_S, LARGEST_CONDUCTANCE_S) for one in near(limit)]
-    steps = [(usual, one) for limit in (SHORTEST_STEP_S, LONGEST_STEP_S) for one in near(limit)]
+    readings = [(one, 0.05) for limit in READINGS_S for one in near(limit)]
+    steps = [(usual, one) for limit in STEPS_S for one in near(limit)]
     samples = [(usual, 0.05), *readings, *steps, (usual, 1e-6)]
     _, flags = fed(CompensatorStream(compensator), samples)
     refused = [flag & FAULTS for flag in flags]

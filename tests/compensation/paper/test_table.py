@@ -80,7 +80,7 @@ def test_transfer_shows_gains_with_both_scalers(runs):
     named = dict(runs) | {"fast-T": runs["T"], "fast-A": runs["A"]}
     text = tables.transfer({"pes": [named]}, 2, engine="fast")
     assert "raw 0.644" in text
-    assert "+24%" in text
+    assert "+24%; one recording from 0.349 to 0.795" in text
     assert text.count("trained on 0-50 %, a = 1.75") == 2
 
 
@@ -117,7 +117,7 @@ def test_a_specimen_or_a_rate_without_a_live_seed_is_left_out(runs, monkeypatch)
     rows = [np.empty((0, 3)), np.array([[0.5, 0.6, 0.7], [0.7, 0.6, 0.5]])]
     assert tables._seed_row("pes", "live", rows) == tables._seed_row("pes", "live", rows[1:])
     assert "0.600 (0.100)" in tables._seed_row("pes", "live", rows)
-    nobody = reproduction.Seeds(np.zeros((2, 2)), np.ones(2, dtype=bool), np.zeros(2), ())
+    nobody = reproduction.Seeds(np.zeros((2, 2)), np.ones(2, dtype=bool), np.zeros(2))
     monkeypatch.setattr(reproduction, "over_seeds", lambda *_: nobody)
     monkeypatch.setattr(reproduction, "baselines", lambda *_: {})
     text = tables.others({"pes": [runs]}, 2)

@@ -15,7 +15,7 @@ from compensation.series import score
 from compensation.series.preprocessing import series_of
 from compensation.training.options import Options
 from compensation.training.recalibration import recalibrated
-from compensation.training.training import train
+from tests.compensation.conftest import train
 
 
 def test_a_window_without_samples_is_left_out(recordings):

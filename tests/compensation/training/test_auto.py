@@ -16,13 +16,20 @@ from compensation.paper.paper_campaigns import campaigns
 from compensation.series import score
 from compensation.series.preprocessing import Series, series_of
 from compensation.training import auto
-from compensation.training.auto import LEARNERS, cross_validated, steps, train_automatically
+from compensation.training.auto import (
+    LEARNERS,
+    STACKED,
+    choose,
+    cross_validated,
+    stacked,
+    steps,
+    train_automatically,
+    weights_of,
+)
 from compensation.training.folds import folds_of, whole_recordings
-from compensation.training.learners import Ridge, linear
-from compensation.training.least_squares import Sums
+from compensation.training.learners import Ridge, Sums, linear
 from compensation.training.lessons import features_at_pace
 from compensation.training.options import Options
-from compensation.training.stacking import STACKED, choose, stacked, weights_of
 from gcode.support.errors import UserError
 from testbench.recordings.files import write_recording_csv
 from tests.compensation.conftest import paused

@@ -11,7 +11,7 @@ from compensation.training.auto import margins_of, r2_elsewhere
 from compensation.training.intervals import of_another, of_one_recording
 from compensation.training.options import Options
 from compensation.training.recalibration import SPREADS, one_sigma_changes
-from compensation.training.training import train
+from tests.compensation.conftest import train
 
 
 def held_out(rng: np.random.Generator, count: int, level: float, width: float) -> tuple[list, np.ndarray]:

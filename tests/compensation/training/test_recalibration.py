@@ -13,12 +13,11 @@ from compensation.series import score
 from compensation.series.preprocessing import Series, series_of
 from compensation.training.options import Options
 from compensation.training.recalibration import Correction, correction, recalibrated
-from compensation.training.training import train
 from gcode.support.errors import UserError
 from testbench.recordings import doubts
 from testbench.recordings.files import write_recording_csv
 from testbench.recordings.recording import Recording
-from tests.compensation.conftest import paused
+from tests.compensation.conftest import paused, train
 
 
 @pytest.fixture(scope="module")
@@ -212,6 +211,15 @@ def test_a_reference_that_stands_still_beside_a_moving_sensor_is_refused(compens
         said = capsys.readouterr().err
         assert "the force stands still at 0.3 N while the conductance spreads" in said
         assert said.count("\n") == 1
+
+
+def test_a_sensor_that_stands_still_beside_a_moving_reference_is_refused(compensator, test_part):
+    """One that is not connected was corrected to half the error, with a gain of 1.7."""
+    part, rng = first(test_part, 60), np.random.default_rng(0)
+    for noise in (0.0, 0.01):
+        read = compensator.scaling_in.invert(noise * rng.standard_normal(len(part)))
+        with pytest.raises(UserError, match=r"the conductance stands still .* while the force moves"):
+            recalibrated(compensator, replace(part, conductance_S=read))
 
 
 @pytest.mark.parametrize("seconds", ["60", "6"])

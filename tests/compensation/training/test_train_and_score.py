@@ -18,9 +18,10 @@ from compensation.series import score
 from compensation.series.preprocessing import series_of
 from compensation.training.learners import linear
 from compensation.training.options import Options
-from compensation.training.training import METHODS, train, train_on_series
+from compensation.training.training import METHODS, train_on_series
 from gcode.support.errors import UserError
 from testbench.recordings.files import read_recording, write_recording_csv
+from tests.compensation.conftest import train
 
 QUICK = Options(restarts=2)
 
@@ -148,7 +149,6 @@ def test_command_line_trains_and_scores(recordings, tmp_path, capsys, target):
     ("words", "match"),
     [
         (["--hidden", "4,x"], "--hidden must be"),
-        (["--engine", "nope"], "--engine must be"),
         (["--factor", "0.5"], "above 1"),
     ],
 )
@@ -243,12 +243,12 @@ def test_no_dead_network_is_kept_where_several_starts_are_asked_for(recordings):
     [
         (["--restarts", "0"], "--restarts must be at least 1"),
         (["--l2", "-1"], "--l2 must be"),
+        (["--l2", "1e200"], "--l2 must be a number from 0 to 1e6"),  # its gradients are infinite: random networks
         (["--seed", "-5"], "--seed must be"),
         (["--factor", "0.5"], "must be a number above 1"),
         (["--hidden", "4,x"], "--hidden must be"),
         (["--hidden", "4000000"], "from 1 to 256"),
         (["--hidden", "2,2,2,2,2,2,2,2,2"], "at most 8"),
-        (["--engine", "foo"], "--engine must be"),
         (["--factor", "1e30"], "slowest filter"),
         (["--count", "500"], "slowest filter"),
         (["--plot", "picture.txt"], "--plot must end in .png"),
@@ -266,6 +266,12 @@ def test_settings_that_make_no_sense_are_refused(recordings, tmp_path, capsys, w
     assert main([*start, *words]) == 2
     assert match in capsys.readouterr().err
     assert not (tmp_path / "c.json").exists()
+
+
+def test_an_unknown_engine_is_refused(capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(["train", "r.csv", "--target", "force", "-o", "c.json", "--engine", "foo"])
+    assert "--engine: invalid choice: 'foo' (choose from 'exact', 'fast', 'sklearn')" in capsys.readouterr().err
 
 
 def test_a_place_that_cannot_be_written_is_refused_before_the_work(recordings, tmp_path, capsys, monkeypatch):

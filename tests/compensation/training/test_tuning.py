@@ -11,9 +11,8 @@ from compensation.series.preprocessing import series_of
 from compensation.training import tuning
 from compensation.training.lessons import HISTORY_SPREAD, STATE_SHIFT, Lessons, lessons
 from compensation.training.options import Options
-from compensation.training.training import train
 from gcode.support.errors import UserError
-from tests.compensation.conftest import paused
+from tests.compensation.conftest import paused, train
 
 QUICK = Options(engine="fast")
 
