@@ -12,6 +12,7 @@ from testbench.knit.effect import FloatArray
 from testbench.proposing.laws.law_parts import Slot
 
 LEVELS = (0.1, 0.3, 0.5, 0.7, 0.9, 0.98)  # quantiles; the last: where a few large values are cut off
+PEAKS = 0.9  # quantile beyond which the peaks lie: a level is tried half way up to the highest, however few they are
 SIZES = (0.03, 0.1, 0.3, 1.0, 3.0)  # of the usual size
 EDGES = tuple(np.linspace(0.04, 0.96, 16))  # quantiles at which a switch is tried: a sharp thing is found only nearby
 NARROW = 0.02  # of the usual size, between the two levels of a switch that share a quantile
@@ -81,18 +82,15 @@ class Grid:
         if slot.kind == "skew":
             steps = np.arange(1, int(MOST_SKEW * self.duration_s / LATE_S) + 1)
             return list(LATE_S / self.duration_s * np.concatenate([-steps[::-1], steps]))
-        if slot.kind == "strain":
-            return [share * self.span for share in (STRAINS[1::2] if few else STRAINS)]
-        if slot.kind == "path":
-            return [share * self.span for share in PATHS]
-        if slot.kind == "swing":
-            return [share * self.span for share in SWINGS]
         if slot.kind == "number":
-            return {"damping": DAMPINGS, "decades": DECADES, "share": SHARES}.get(slot.key, NUMBERS)
-        if x is None:  # a size of a strain
-            return [share * self.span for share in WIDTHS]
+            return {"decades": DECADES, "share": SHARES}.get(slot.key, NUMBERS)
+        if x is None:  # a coordinate of the strain
+            strains = STRAINS[1::2] if few else STRAINS
+            shares = {"strain": strains, "path": PATHS, "swing": SWINGS, "size": WIDTHS}[slot.kind]
+            return [share * self.span for share in shares]
         if slot.kind == "level":
-            return list(np.unique(np.quantile(x, LEVELS)))
+            half_way = 0.5 * (np.quantile(x, PEAKS) + np.max(x))
+            return list(np.unique([*np.quantile(x, LEVELS), half_way]))
         return [share * usual_size(x) for share in (SIZES[1:4] if few else SIZES)]
 
     def times_s(self, count: int = TIMES) -> Sequence[float]:

@@ -22,14 +22,7 @@ from testbench.proposing.writing import effect_class, strength_key
 
 TIED_NATS = 3.0  # evidences that are no farther apart cannot be told from each other
 QUICK = 6  # iterations of a first refit; the best are carried to their end
-WIDTHS = {
-    "time": 2.0,
-    "size": 1.5,
-    "path": 1.5,
-    "swing": 1.0,
-    "number": 0.7,
-    "frequency": 1.0,
-}  # e-folds, before seeing data
+WIDTHS = {"time": 2.0, "size": 1.5, "path": 1.5, "number": 0.7}  # e-folds, before seeing data; of others, 1
 
 
 @dataclass(frozen=True)
@@ -114,7 +107,7 @@ class LawFitter:
             log = bounds_of(type(effect).model_fields[slot.key])["scale"] == "log"
             if slot.kind == "time":
                 times = self.grid.times_s(2)
-                centre = float(np.mean(np.log(np.asarray(times))))
+                centre = float(np.mean(np.log(times)))
                 found[f"{name}.{slot.key}"] = (centre, max(WIDTHS["time"], abs(np.log(value) - centre)))
             elif log:
                 found[f"{name}.{slot.key}"] = (float(np.log(value)), WIDTHS.get(slot.kind, 1.0))

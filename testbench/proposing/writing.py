@@ -113,6 +113,8 @@ def class_text(law: Law, name: str, grid: Grid) -> str:
     operators = {one.name for one in term.operators}
     optional += "    nonlinear = True\n" if "dead band" in operators else ""
     optional += "    looks_ahead = True\n" if "clock" in operators else ""
+    if jumping := [slot.key for slot in term.slots if slot.jumps]:
+        optional += f"    jumps = {_tuple(jumping)}\n"
     if term.coordinate.name == "time" and "wave" in operators:
         optional += '    per_recording = ("phase",)\n'  # a hum knows nothing of when a recording began
     return CLASS.format(

@@ -128,7 +128,7 @@ class Term:
             size = self.sizes[place] if place < len(self.sizes) else 1.0
             text = one.latex.replace("{x}", text).replace("x_0", f"{size:g}")
         return text, tuple(
-            dict.fromkeys(re.sub(r"(?<![\w\\])s(?=\\,|\^2\\,)", f"{self.span:g}", line) for line in found)
+            dict.fromkeys(re.sub(r"(?<![\w\\])s(?=\\,|\^2\\,|\})", f"{self.span:g}", line) for line in found)
         )
 
     @property

@@ -16,6 +16,8 @@ from testbench.proposing.laws.law_parts import (
 )
 from testbench.proposing.laws.units import KELVIN, NEWTON, ONE, PER_SECOND, SECOND
 
+_SWING = Slot("swing", "w", "how far the strain must come back to have turned", "swing", jumps=True)
+
 COORDINATES = named(
     Coordinate("strain", "e", "e", "the strain", ONE, STRAIN),
     Coordinate("strain rate", "rate(e, dt_s)", r"\dot e", "the strain rate", PER_SECOND, STRAIN),
@@ -61,12 +63,8 @@ COORDINATES = named(
         "how far the strain is from a share of where it last turned down",
         ONE,
         STRAIN,
-        (
-            Slot("share", "s_t", "share of the last top", "number", 0.5, 1.5),
-            Slot("swing", "w", "how far the strain must come back to have turned", "swing"),
-        ),
+        (Slot("share", "s_t", "share of the last top", "number", 0.5, 1.5), _SWING),
         (r"e_{\text{top}} = \text{last top of a swing beyond } w",),
-        signed=True,
     ),
     Coordinate("path", "path(e, {span})", r"\int |de|", "the path travelled", ONE, STRAIN, signed=False),
     Coordinate(
@@ -99,7 +97,7 @@ COORDINATES = named(
         "the time at the present strain",
         SECOND,
         STRAIN,
-        (Slot("width", "w", "half width of a strain", "size"),),
+        (Slot("width", "w", "half width of a strain", "size", jumps=True),),
         (r"t_{\text{rest}} = \text{time within} \pm w",),
         signed=False,
     ),
@@ -156,12 +154,6 @@ _ENDS = {
         (Slot("wipe", "l_2", "path that wipes it out", "path"),),
         "is wiped out by motion",
     ),
-    "at turns": (
-        r"\frac{1}{l_2}\sum_k s_k\,\delta(t - t_k)",
-        "turning(e, 0.02 * {span}, dt_s) / self.wipe",
-        (Slot("wipe", "l_2", "swing that wipes it out, at its end", "path"),),
-        "is evened out by each turn",
-    ),
     "when short": (
         r"\frac{(e_1 - e)^+}{s\,\tau_2}",
         "over(self.edge - e, 0.0) / ({span} * self.end_s)",
@@ -172,7 +164,7 @@ _ENDS = {
         r"\frac{[e < e_1]}{\tau_2}",
         "(e < self.edge) / self.end_s",
         (
-            Slot("edge", "e_1", "strain below which it goes", "strain"),
+            Slot("edge", "e_1", "strain below which it goes", "strain", jumps=True),
             Slot("end_s", r"\tau_2", "time in which it goes there"),
         ),
         "goes near rest",
@@ -182,7 +174,6 @@ _SENSIBLE = (
     ("with time", "with motion"),
     ("under stretch", "with time"),
     ("under stretch", "with motion"),
-    ("under stretch", "at turns"),
     ("steeply", "with time"),
     ("while stretching", "with time"),
     ("under stretch", "when short"),
@@ -206,19 +197,38 @@ def _kinetic(forms: str, ends: str) -> Coordinate:
     )
 
 
-_GATHERS = Coordinate(
-    "what gathers beyond a strain and goes near rest",
-    "gathered(over(e, self.edge) / {span}, (e < self.rest) / self.end_s, dt_s)",
-    "n",
-    "what gathers beyond a strain and goes near rest",
-    SECOND,
-    STRAIN,
-    (
-        _EDGE,
-        Slot("rest", "e_2", "strain below which it goes", "strain"),
-        Slot("end_s", r"\tau_2", "time in which it goes there"),
+def _store(loss: str, loss_code: str, loss_slots: tuple[Slot, Slot], ends: str, *definitions: str) -> Coordinate:
+    """What has no limit: it stands in for a state that has hardly filled, and leaves a number for how it goes."""
+    words = f"what gathers beyond a strain and {ends}"
+    return Coordinate(
+        words,
+        f"gathered(over(e, self.edge) / {{span}}, {loss_code}, dt_s)",
+        "n",
+        words,
+        SECOND,
+        STRAIN,
+        (_EDGE, *loss_slots),
+        (rf"\dot n = \frac{{(e - e_1)^+}}{{s}} - {loss}\,n", *definitions),
+        signed=False,
+    )
+
+
+_STORES = (
+    _store(
+        r"\frac{[e < e_2]}{\tau_2}",
+        "(e < self.rest) / self.end_s",
+        (
+            Slot("rest", "e_2", "strain below which it goes", "strain", jumps=True),
+            Slot("end_s", r"\tau_2", "time in which it goes there"),
+        ),
+        "goes near rest",
     ),
-    (r"\dot n = \frac{(e - e_1)^+}{s} - \frac{[e < e_2]}{\tau_2}\,n",),
-    signed=False,
+    _store(
+        r"\frac{1}{l_2}\sum_k s_k\,\delta(t - t_k)",
+        "turning(e, self.swing, dt_s) / self.wipe",
+        (_SWING, Slot("wipe", "l_2", "swing that wipes it out, at its end", "path")),
+        "is evened out by each turn",
+        r"s_k = \text{swing beyond } w",
+    ),
 )
-KINETICS = named(*(_kinetic(*pair) for pair in _SENSIBLE), _GATHERS)
+KINETICS = named(*(_kinetic(*pair) for pair in _SENSIBLE), *_STORES)

@@ -33,6 +33,8 @@ class Slot:
         Where its values lie: a time constant; a delay; a share of the time; a level or a size of the input `x` (its
         unit is the input's); a strain; a path; a swing of the strain; a frequency; a number between `low` and `high`;
         an angle.
+    jumps : bool
+        Whether z jumps as it changes, so that no derivative tells how well the data know it.
     """
 
     key: str
@@ -41,6 +43,7 @@ class Slot:
     kind: str = "time"
     low: float = 0.0
     high: float = 0.0
+    jumps: bool = False
 
 
 @dataclass(frozen=True)

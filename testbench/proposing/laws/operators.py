@@ -99,7 +99,7 @@ OPERATORS = named(
         "held(x, self.band) - x",
         r"(y - {x})",
         "the dead band of {x}",
-        Slot("band", "b", "half width of the dead band", "size"),
+        Slot("band", "b", "half width of the dead band", "size", jumps=True),
         definitions=(r"y = {x} \text{ held within} \pm b",),
     ),
     _memory(
@@ -107,7 +107,7 @@ OPERATORS = named(
         "stuck(x, self.grip)",
         "h",
         "{x} since it last stuck",
-        Slot("grip", "g", "how far it sticks", "size"),
+        Slot("grip", "g", "how far it sticks", "size", jumps=True),
         definitions=(r"h = {x} \text{ since it last let go, at } g",),
     ),
     _bend("size", "np.abs(x)", r"|{x}|", "the size of {x}", unit=None),
@@ -165,8 +165,8 @@ OPERATORS = named(
         "relay(x, self.on, self.on - self.gap)",
         r"\sigma({x})",
         "a switch over {x}",
-        Slot("on", "x_1", "where it switches on", "level"),
-        Slot("gap", r"\Delta", "how far below that it switches off", "size"),
+        Slot("on", "x_1", "where it switches on", "level", jumps=True),
+        Slot("gap", r"\Delta", "how far below that it switches off", "size", jumps=True),
         definitions=(r"\sigma = 1 \text{ from } x_1 \text{ upwards until } x_1 - \Delta",),
     ),
     _bend(

@@ -27,7 +27,7 @@ def proposal(proposed: Proposed) -> style.Figure:
     panels: list[tuple[str, str]] = []
     for step in proposed.steps:
         traces += _dependence(step, len(panels))
-        panels.append((f"z = {plain(step.option.law.term.latex)}", _lacks(step)))
+        panels.append((_z(step), _lacks(step)))
     before, after = (_residuals(model, proposed.held) for model in (proposed.before.model, proposed.after.model))
     for channel, values in after.items():
         traces += _over_time(before[channel], values, proposed.held, len(panels))
@@ -47,6 +47,11 @@ def proposal(proposed: Proposed) -> style.Figure:
     ]
     height = ROW_PX * len(panels) + 60
     return style.figure(traces, height=height, annotations=notes, legend=LEGEND, **axes)
+
+
+def _z(step: Step) -> str:
+    term = step.option.law.term
+    return f"z = {plain(term.latex)}" + (f", in {term.unit}" if str(term.unit) != "1" else "")
 
 
 def _lacks(step: Step) -> str:

@@ -159,6 +159,25 @@ def test_the_file_says_what_its_symbols_are_and_where_it_is_valid():
     assert "strains up to 0.3 and within 60 s" in doc
 
 
+@pytest.mark.parametrize(
+    ("law", "jumps"),
+    [
+        (law_of("conductance", "conductance", "switch"), ("on", "gap")),
+        (law_of("force", "what gathers beyond a strain and is evened out by each turn"), ("swing",)),
+        (law_of("force", "what gathers beyond a strain and goes near rest"), ("rest",)),
+        (law_of("force", "strain", "lag", "threshold"), ()),
+    ],
+    ids=lambda one: one.key if isinstance(one, Law) else "",
+)
+def test_the_file_names_the_numbers_at_which_a_law_jumps(law: Law, jumps: tuple[str, ...]):
+    assert effect_class(law, "my_law", GRID).jumps == jumps
+
+
+@pytest.mark.parametrize("name", KINETICS)
+def test_a_written_state_knows_the_span_as_a_number(name: str):
+    assert not any(re.search(r"\bs\b(?!_)", plain(line)) for line in law_of("force", name).term.definitions)
+
+
 def test_no_law_of_the_library_has_a_name_for_two_numbers():
     for coordinate in EVERY.values():
         assert len({slot.key for slot in coordinate.slots}) == len(coordinate.slots) <= 3

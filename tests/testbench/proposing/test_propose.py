@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -18,10 +19,14 @@ from testbench.measurements.splitting import split
 from testbench.proposing import Proposed, propose_law
 from testbench.proposing.blindness import not_judged
 from testbench.proposing.hunt import Hunt
+from testbench.proposing.laws.law import Term
+from testbench.proposing.laws.law_coordinates import COORDINATES
+from testbench.proposing.laws.operators import OPERATORS
 from testbench.proposing.words import _safe, as_json, first_line, proposal_text, story
 from testbench.proposing.writing import effect_class, file_text
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
+from testbench.report.figures.proposal_figures import _z
 from tests.testbench.asked_once import answered_once
 from tests.testbench.builders import CATALOGUE, record, truth, write_csv
 
@@ -176,6 +181,13 @@ def test_the_parameters_that_are_told_are_those_of_the_effect():
     for (law, name), one in zip(proposed.laws, told, strict=True):
         effect = effect_class(law, name, grid)(**one["parameters"])
         assert set(one["parameters"]) == set(one["units"]) == set(one["meanings"]) <= set(type(effect).model_fields)
+
+
+def test_the_picture_says_in_which_unit_the_part_of_a_law_is():
+    step = found().steps[0]
+    lag = Term(COORDINATES["force"], (OPERATORS["lag"],))
+    of_force = replace(step, option=replace(step.option, law=replace(step.option.law, term=lag)))
+    assert [_z(one) for one in (step, of_force)] == ["z = n", "z = y, in N"]
 
 
 def test_too_short_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]):

@@ -65,6 +65,12 @@ def test_a_cap_is_tried_where_it_cuts_off_few_large_values():
     assert 0 < np.mean(x > max(levels)) < 0.025
 
 
+def test_between_the_peaks_and_the_rest_there_is_a_level_however_few_the_peaks_are():
+    x = np.linspace(0, 1, 4000) ** 60  # a square of a rate: nearly all of it near zero
+    levels = [point["edge_x"] for point in GRID.points(OPERATORS["below"].slots, x, "below")]
+    assert np.max(np.diff([*levels, np.max(x)])) < 0.51 * np.ptp(x)
+
+
 def test_a_needle_is_found_that_a_simplex_does_not_feel():
     needle = np.array([0.31, -0.17])
 
