@@ -268,8 +268,11 @@ def names_above(rows: Rows, start: int, width: int) -> int | None:
 
 
 def _units_between(rows: Rows, header: int | None, start: int, width: int) -> int | None:
-    """A row of units above the numbers; below a header, any row of words is one, if only one we cannot read."""
-    above = _above(rows, start, width)
+    """A row of units above the numbers; below a header, any row of words is one, if only one we cannot read.
+
+    Above the header, a row of fewer cells is something else (``Unit,N``).
+    """
+    above = [place for place in _above(rows, start, width) if place >= (header or 0) or len(rows[place]) >= width]
     known = next((place for place in above if _is_units(rows[place]) and place + 1 != header), None)
     if known is not None:
         return known + 1

@@ -34,10 +34,12 @@ def _words(text: str) -> tuple[str, ...]:
 
 
 # Whole words, without accents: English, and other languages that part their words. Of those, none that is another
-# thing in English or German (course: of a knit, charge: a batch).
+# thing in English or German (course: of a knit, charge: a batch); such say something only beside a unit.
+_BESIDE_UNIT = {"course": "displacement", "charge": "force", "last": "force"}
 _WHOLE = {
     "time": _words(
-        "time elapsed timestamp epoch clock seconds runtime temps tempo tiempo tijd czas cas tid zaman время"
+        "time elapsed timestamp timestamps epoch clock seconds runtime temps tempo tiempo tijd czas cas tid zaman "
+        "время"
     ),
     "displacement": _words(
         "displacement displ disp extension ext elongation elong crosshead position pos stroke travel deflection "
@@ -81,8 +83,8 @@ _SYMBOLS = {
 }
 # A column with such a word is about the quantity, not the quantity itself. Rates, set points, extremes, counters.
 _ABOUT = _words(
-    "rate speed velocity setpoint set command cmd commanded target demand reference planned max "
-    "maximum min minimum peak break rupture yield std sd noise error limit count counter number index cycle cycles "
+    "rate speed velocity setpoint set command cmd commanded target demand reference planned max maximum min minimum "
+    "peak break rupture yield std sd noise error limit digits count counter number index cycle cycles "
     "zyklus zyklen energy work stress modulus stiffness density adc shunt series "
     "vitesse velocita velocidad velocidade consigne contrainte maximale massimo massima maximo maxima snelheid "
     "predkosc maksymalna maksymalne zadana zadane naprezenie"
@@ -99,8 +101,8 @@ _NOT_NOMINAL = _words("true log logarithmic hencky transverse lateral")
 _NOT_NOMINAL_PARTS = _words("quer wahre logarithm hencky 真 对数 對數 横 橫向 진변형 횡변형")
 _NOT_ALONE = _words("力矩 动力 動力 应力 應力 圧力 压力 壓力 入力 出力")
 _GENERIC = re.compile(
-    r"^(ch(annel)?|kanal|(\w+/)?ai|analog(ue)?[ _]?in(put)?|sensor|signal|value|wert|column|spalte|y|通道)?"
-    r"[ _#.:-]*\d*$",
+    r"^(ch(annel)?|kanal|(\w+/)?ai|analog(ue)?[ _]?in(put)?|sensor|signal|value|readings?|(mess)?wert|column|spalte|y"
+    r"|通道)?[ _#.:-]*\d*$",
     re.I,
 )
 _STROKED = str.maketrans("łŁ", "lL")  # a letter of its own, not an accent
@@ -151,6 +153,12 @@ def roles_of(base: str, whole: str) -> dict[str, int]:
             found[role] = strength
     strongest = max(found.values(), default=0)
     return {role: strength for role, strength in found.items() if strength == strongest}
+
+
+def role_beside_unit(whole: str) -> str:
+    """The role of a name that says one only where a unit of it stands beside; empty where there is none such."""
+    found = [_BESIDE_UNIT[word] for word in words_of(whole) if word in _BESIDE_UNIT]
+    return found[0] if found and not speaks_about(whole) else ""
 
 
 def _by_word(role: str, base: str, whole: str) -> int:
