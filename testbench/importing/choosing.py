@@ -35,8 +35,7 @@ def choose(layout: Layout, rows: Sequence[Sequence[str]], wish: Wish) -> Choice:
     layout, units = _with_units_beside(layout, rows)
     picked = {role: column_of(layout, text) for role, text in wish.columns.items() if text != NOT_THERE}
     choice = Choice()
-    asked = (is_when, is_time_of_day, is_short_clock, is_day)
-    kinds: Kinds = {kind: _columns_of(layout, rows, kind) for kind in asked}
+    kinds: Kinds = {one: _columns_of(layout, rows, one) for one in (is_when, is_time_of_day, is_short_clock, is_day)}
     found = searched(layout, wish, picked)
     times = found.get("time", [])
     if not times and "time" not in wish.columns and wish.rate_hz is None:

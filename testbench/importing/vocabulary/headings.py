@@ -155,8 +155,12 @@ def _ends(plain: str) -> list[tuple[str, str]]:
 
 
 def unit_behind(name: str, quantities: tuple[str, ...]) -> str:
-    """The unit of one of these quantities at the end of a name that says nothing else to us: ``ext_mm``."""
-    return next((end for _, end in _ends(name) if unit_of(end, quantities)), "")
+    """The unit of one of these quantities at the end of a name that says nothing else to us: ``ext_mm``.
+
+    Behind a number in brackets it is none: ``(1/Ohm)``, ``(0.1 N)``, ``cell (50 N)``.
+    """
+    ends = [(before, end) for before, end in _ends(name) if not re.search(r"[(\[{<][\d.,]+$", before)]
+    return next((end for _, end in ends if unit_of(end, quantities)), "")
 
 
 def _without_brackets(name: str) -> str:

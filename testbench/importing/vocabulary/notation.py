@@ -38,7 +38,7 @@ _DATE = re.compile(
 )
 # 10:15:30.5, with AM or PM behind it, or days before it as pandas writes them; or minutes and seconds, 15:30.5
 _CLOCK = re.compile(
-    r"^(?:(?:(\d+) days? )?(\d{1,3}):(\d{2}):(\d{2}(?:\.\d+)?)(?: ?([AaPp])\.?[Mm]\.?)?|(\d{1,3}):(\d{2}\.\d+))$"
+    r"^(?:(?:(\d+) days? )?(\d{1,3}):([0-5]\d):([0-5]\d(?:\.\d+)?)(?: ?([AaPp])\.?[Mm]\.?)?|(\d{1,3}):(\d{2}\.\d+))$"
 )
 # 12:01: hours and minutes, or minutes and seconds; before AM or PM, it can be but the former.
 _SHORT_CLOCK = re.compile(r"^(\d{1,3}:\d{2})$")

@@ -85,7 +85,8 @@ _SYMBOLS = {
 _ABOUT = _words(
     "rate speed velocity setpoint set command cmd commanded target demand reference planned max maximum min minimum "
     "peak break rupture yield std sd noise error limit digits count counter number index cycle cycles "
-    "zyklus zyklen energy work stress modulus stiffness density adc shunt series "
+    "zyklus zyklen energy work stress modulus stiffness density adc shunt series ntc ptc rtd thermistor "
+    "log ln lg inverse reciprocal per cumulative accumulated offset tare "
     "vitesse velocita velocidad velocidade consigne contrainte maximale massimo massima maximo maxima snelheid "
     "predkosc maksymalna maksymalne zadana zadane naprezenie"
 )
@@ -94,8 +95,11 @@ _ABOUT_PARTS = _words(
     "应力 速度 速率 循环 次数 最大 最小 设定 目标 编号 應力 循環 次數 設定 目標 編號 "
     "応力 回数 番号 サイクル 破断 降伏 응력 속도 최대 최소 설정 목표 번호 횟수 사이클 파단 항복"
 )
+# But the change rate of a resistance (电阻变化率) is its relative change, no change in time; the time has no rate
+# (``Time - default sample rate`` of catman is one); and a thermistor measures a temperature.
+_NONE_ABOUT = {"relative_change": "rate", "time": "rate cumulative offset", "temperature": "ntc ptc rtd thermistor"}
 # Of an index behind R: the resistance at rest, or another one of the circuit, and not the one that is measured.
-_NOT_MEASURED = _words("0 o ref init initial rest shunt series load")
+_NOT_MEASURED = _words("0 o ref init initial rest shunt series load known fixed pullup pulldown div divider")
 # A strain that is not the nominal one along the sensor: of the length at the time, or across.
 _NOT_NOMINAL = _words("true log logarithmic hencky transverse lateral")
 _NOT_NOMINAL_PARTS = _words("quer wahre logarithm hencky 真 对数 對數 横 橫向 진변형 횡변형")
@@ -195,13 +199,8 @@ def _letter_and_index(base: str) -> tuple[str, str]:
 
 
 def speaks_about(whole: str, role: str = "") -> bool:
-    """Whether a name is of something derived: a rate, a set point, a maximum, a counter.
-
-    The change rate of a resistance (电阻变化率) is its relative change, no change in time; and the time has no rate:
-    ``Time - default sample rate`` (catman) is one.
-    """
-    words = [word for word in _ABOUT if word != "rate" or role not in ("relative_change", "time")]
-    return _has(whole, words, _ABOUT_PARTS)
+    """Whether a name is of something derived: a rate, a set point, a maximum, a counter, a logarithm."""
+    return _has(whole, set(_ABOUT).difference(_words(_NONE_ABOUT.get(role, ""))), _ABOUT_PARTS)
 
 
 def _is_not_nominal(whole: str) -> bool:
