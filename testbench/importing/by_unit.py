@@ -52,10 +52,7 @@ def take(choice: Choice, role: str, column: Column, clock: Column | None, wish: 
 
 
 def _short(given: str | None, column: Column, days: Mapping[int, int]) -> str:
-    """What the first number of ``12:01`` counts, hours or minutes, as somebody or the file says; empty where none.
-
-    Days that go on beside it are those of hours; one day alone may be that of the test, and it minutes.
-    """
+    """What the first number of ``12:01`` counts: as is said, or hours beside days that go on; empty where neither."""
     unit = unit_of(given, ("time",)) if given else column.heading.unit(column.unit_text)
     if given == DATE or (unit is None and not given and max(days.values(), default=0) > 1):
         return "h"

@@ -25,6 +25,7 @@ from testbench.importing.layout import (
     count_numbers,
     find_layout,
     is_data,
+    row_with,
     shortened,
     width_of,
     words_in,
@@ -347,13 +348,8 @@ def _decimal(path: Path, rows: Sequence[Sequence[str]], layout: Layout, separato
 
 
 def _no_numbers(lines: Sequence[str], wanted: Sequence[str], hints: Hints) -> str:
-    below = hints.header_row
-    for separator in SEPARATORS:
-        rows = _split(lines, separator)
-        for number, cells in enumerate(rows, 1) if wanted else ():
-            if all(name in [cell.strip() for cell in cells] for name in wanted):
-                below = number
-    if below:
+    named = [row_with(_split(lines, separator), wanted) for separator in SEPARATORS]
+    if below := next(filter(None, named), hints.header_row):
         return f"there is nothing below the header in row {below}"
     filled = [line.strip() for line in lines if line.strip()]
     return (

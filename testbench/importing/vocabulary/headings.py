@@ -155,10 +155,7 @@ def _ends(plain: str) -> list[tuple[str, str]]:
 
 
 def unit_behind(name: str, quantities: tuple[str, ...]) -> str:
-    """The unit of one of these quantities at the end of a name that says nothing else to us: ``ext_mm``.
-
-    Behind a number in brackets it is none: ``(1/Ohm)``, ``(0.1 N)``, ``cell (50 N)``.
-    """
+    """The unit of one of these quantities at the end of a name: ``ext_mm``; but not of ``(1/Ohm)`` or ``(0.1 N)``."""
     ends = [(before, end) for before, end in _ends(name) if not re.search(r"[(\[{<][\d.,]+$", before)]
     return next((end for _, end in ends if unit_of(end, quantities)), "")
 

@@ -106,9 +106,10 @@ _TABLE: dict[str, tuple[tuple[str, float, float, str, str], ...]] = {
 def plain_text(text: str) -> str:
     """One spelling for signs that have several: full-width brackets, the two omegas, deltas and mus, ℃, R₀.
 
-    Signs that mean something by their height (the ² of mm²) stay as they are.
+    Signs that mean something by their height (the ² of mm²) stay as they are; those that nobody sees are left out.
     """
-    kept = "".join(sign if sign in "²³" else unicodedata.normalize("NFKC", sign) for sign in text)
+    seen = (sign for sign in text if unicodedata.category(sign) != "Cf")
+    kept = "".join(sign if sign in "²³" else unicodedata.normalize("NFKC", sign) for sign in seen)
     return kept.replace("μ", "µ").replace("∆", "Δ").replace("−", "-").strip()
 
 

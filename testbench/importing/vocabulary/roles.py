@@ -74,7 +74,7 @@ _PARTS = {
 }
 _SYMBOLS = {
     "time": _words("t T"),
-    "displacement": _words("x s u d dl Δl ΔL δ"),
+    "displacement": _words("x s u d dl dL Δl ΔL δ"),
     "strain": _words("ε eps epsilon"),
     "force": _words("F f"),
     "resistance": _words("R r Rs Rp Rdc"),  # the last as LCR meters write them

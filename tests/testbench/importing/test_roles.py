@@ -67,6 +67,18 @@ def test_a_unit_behind_a_number_in_brackets_is_none(tmp_path, name):
     assert recording["force_N"].tolist() == [100, 101, 102, 103]
 
 
+@pytest.mark.parametrize("units", ["", "s,mm,mm,N\n"])
+def test_names_of_several_columns_have_parts_below_them(tmp_path, units):
+    """Where cells are merged, the first of the columns was taken: the displacement that was set."""
+    names = "Time,Displacement,,Force" if units else "Time (s),Displacement (mm),,Force (N)"
+    path, rows = tmp_path / "lab.csv", "".join(f"{n},{n + 5},{n},{2 * n}\n" for n in range(9))
+    path.write_text(f"{names}\n,set,actual,\n{units}{rows}")
+    assert import_csv(path, Wish(40.0)).recording["displacement_mm"].tolist() == list(range(9))
+    path.write_text(f"{names}\n,left,right,\n{units}{rows}")
+    with pytest.raises(UserError, match=r"left Displacement.* and column 3 'right Displacement.* both fit"):
+        import_csv(path, Wish(40.0))
+
+
 def test_words_that_speak_about_most_roles_are_plain_for_some(tmp_path):
     path = tmp_path / "lab.csv"
     path.write_text("Cumulative time (s),Position (mm),NTC temperature (C)\n0,1,20\n0.1,2,21\n0.2,3,22\n")
