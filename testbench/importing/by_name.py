@@ -6,7 +6,8 @@ from collections.abc import Mapping
 
 from testbench.importing.choice import ELECTRICAL, NOT_THERE, Choice
 from testbench.importing.layout import Column, Layout, column_of
-from testbench.importing.vocabulary.roles import ROLES, STRETCH, SYMBOL, is_generic, is_letter
+from testbench.importing.vocabulary.laboratory_units import unit_of
+from testbench.importing.vocabulary.roles import ROLES, STRETCH, SYMBOL, is_generic, is_letter, role_beside_unit
 from testbench.importing.wish import Wish
 
 MISFIT = 10  # how much less plainly a column is what its name says where its unit is of something else
@@ -41,6 +42,9 @@ def _role(column: Column) -> tuple[str, int]:
     """What a column is by its name and unit, and how plainly; an empty role where it cannot be told."""
     unit = column.heading.unit(column.unit_text)
     roles = dict(column.heading.roles)
+    named = role_beside_unit(column.heading.whole)
+    if named and unit_of(column.unit_text, ROLES[named]):
+        return named, SYMBOL
     if STRETCH & set(roles):
         stretch = {"length": "displacement", "ratio": "strain"}.get(unit.quantity if unit else "")
         roles = {stretch or role: strength for role, strength in roles.items()}

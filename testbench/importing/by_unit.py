@@ -14,7 +14,8 @@ from testbench.importing.vocabulary.roles import ROLES
 from testbench.importing.wish import Wish
 
 DATE = "date"
-Kinds = Mapping[Callable[[str], bool], set[int]]  # numbers of the columns most of whose cells are of a kind
+# Numbers of the columns most of whose cells are of a kind, with how many of them differ.
+Kinds = Mapping[Callable[[str], bool], Mapping[int, int]]
 
 
 def take(choice: Choice, role: str, column: Column, clock: Column | None, wish: Wish, kinds: Kinds) -> None:
@@ -50,10 +51,10 @@ def take(choice: Choice, role: str, column: Column, clock: Column | None, wish: 
         choice.troubles.append(Trouble("r0", role, (column,)))
 
 
-def _short(given: str | None, column: Column, days: set[int]) -> str:
-    """What the first number of ``12:01`` counts, hours or minutes, as somebody or the file says; empty where none."""
+def _short(given: str | None, column: Column, days: Mapping[int, int]) -> str:
+    """What the first number of ``12:01`` counts: as is said, or hours beside days that go on; empty where neither."""
     unit = unit_of(given, ("time",)) if given else column.heading.unit(column.unit_text)
-    if given == DATE or (unit is None and not given and days - {column.number}):
+    if given == DATE or (unit is None and not given and max(days.values(), default=0) > 1):
         return "h"
     return unit.symbol if unit and unit.symbol in WHOLE_CLOCKS else ""
 

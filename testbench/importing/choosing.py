@@ -35,8 +35,11 @@ def choose(layout: Layout, rows: Sequence[Sequence[str]], wish: Wish) -> Choice:
     layout, units = _with_units_beside(layout, rows)
     picked = {role: column_of(layout, text) for role, text in wish.columns.items() if text != NOT_THERE}
     choice = Choice()
+    kinds: Kinds = {one: _columns_of(layout, rows, one) for one in (is_when, is_time_of_day, is_short_clock, is_day)}
     found = searched(layout, wish, picked)
     times = found.get("time", [])
+    if not times and "time" not in wish.columns and wish.rate_hz is None:
+        found |= _dates_in(layout, kinds, picked)
     clocks = {role: column_of(layout, text) for role, text in wish.time_of.items()}
     for role, columns in found.items():
         if len(columns) == 1:
@@ -46,8 +49,6 @@ def choose(layout: Layout, rows: Sequence[Sequence[str]], wish: Wish) -> Choice:
     prefer(picked, choice, wish)
     if len(times) > 1:
         clocks = _several_clocks(times, picked, choice, clocks)
-    asked = (is_when, is_time_of_day, is_short_clock, is_day)
-    kinds: Kinds = {kind: _columns_of(layout, rows, kind) for kind in asked}
     for role in ROLES:
         if role in picked:
             take(choice, role, picked[role], clocks.get(role), wish, kinds)
@@ -122,6 +123,13 @@ def _join_days(choice: Choice, layout: Layout, kinds: Kinds) -> None:
     choice.unused = _unused(choice, layout)
 
 
+def _dates_in(layout: Layout, kinds: Kinds, picked: Mapping[str, Column]) -> dict[str, list[Column]]:
+    """The time where one column alone has dates or times of day that go on: such are a time by any name."""
+    going_on = {number for number, differ in kinds[is_when].items() if differ > 1} - set(kinds[is_day])
+    dated = [column for column in layout.columns if column.number in going_on and column not in picked.values()]
+    return {"time": dated} if len(dated) == 1 else {}
+
+
 def _several_clocks(
     times: Sequence[Column], picked: dict[str, Column], choice: Choice, said: Mapping[str, Column]
 ) -> dict[str, Column]:
@@ -136,14 +144,14 @@ def _several_clocks(
     return {role: clock for role, clock in clocks.items() if clock is not clocks[main]}
 
 
-def _columns_of(layout: Layout, rows: Sequence[Sequence[str]], kind: Callable[[str], bool]) -> set[int]:
-    """Numbers of the columns most of whose cells are of a kind, such as dates."""
+def _columns_of(layout: Layout, rows: Sequence[Sequence[str]], kind: Callable[[str], bool]) -> dict[int, int]:
+    """Numbers of the columns most of whose cells are of a kind, such as dates; with how many of them differ."""
     body = rows[layout.first_row - 1 :]
-    found = set()
+    found = {}
     for column in layout.columns:
         cells = [row[column.number - 1] for row in body if len(row) >= column.number and row[column.number - 1]]
         if cells and sum(map(kind, cells)) > 0.5 * len(cells):
-            found.add(column.number)
+            found[column.number] = len(set(cells))
     return found
 
 

@@ -46,15 +46,17 @@ def onward(times: np.ndarray, periods: Mapping[float, str], rows: np.ndarray) ->
 def own_clocks(times: Sequence[Column], channels: Mapping[str, Column]) -> dict[str, Column] | None:
     """Each channel's own time column, by its name (``t_F`` beside ``F``), else by its place (left of its channel).
 
-    None where neither tells.
+    None where neither tells, as where a time that has a name of its own is nobody's by name.
     """
     found = {role: _by_name(times, role, column) for role, column in channels.items()}
     if all(found.values()) and found and len(set(map(id, found.values()))) > 1:
         return {role: column for role, column in found.items() if column is not None}
-    if len({column.heading.base for column in times}) > 1 or not channels:
+    named = {id(time) for time in found.values() if time is not None}
+    if (len({column.heading.base for column in times}) > 1 and len(named) < len(times)) or not channels:
         return None
     left = {
-        role: max((time for time in times if time.number < column.number), key=lambda time: time.number, default=None)
+        role: found[role]
+        or max((time for time in times if time.number < column.number), key=lambda time: time.number, default=None)
         for role, column in channels.items()
     }
     if None in left.values() or len({id(time) for time in left.values()}) != len(times):
@@ -65,12 +67,9 @@ def own_clocks(times: Sequence[Column], channels: Mapping[str, Column]) -> dict[
 def _by_name(times: Sequence[Column], role: str, channel: Column) -> Column | None:
     """The one time column whose other words are of the channel's name, or begin that of its role."""
     names = {*words_of(channel.heading.whole), role}
-    fitting = []
-    for time in times:
-        others = [word for word in words_of(time.heading.whole) if word not in _TIME_WORDS]
-        if others and all(any(name.startswith(word) for name in names) for word in others):
-            fitting.append(time)
-    return fitting[0] if len(fitting) == 1 else None
+    others = [[word for word in words_of(time.heading.whole) if word not in _TIME_WORDS] for time in times]
+    begun = [bool(words) and all(any(name.startswith(word) for name in names) for word in words) for words in others]
+    return times[begun.index(True)] if sum(begun) == 1 else None
 
 
 def on_one_clock(

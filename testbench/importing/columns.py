@@ -84,7 +84,7 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
         if one.unit is None:
             found = _moments(one, cells, frame, read)
         else:
-            plain, wrong = numbers(units_apart(cells)[0] if one.units_behind else cells, sheet.decimal, thousands)
+            plain, wrong = _numbers(one, cells, sheet.decimal, thousands)
             read.words[role] = _in_words(one, plain)
             if role == "time":
                 plain = _onward(plain, COUNTERS, one.column, read)
@@ -94,6 +94,12 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
         if one.clock is not None:
             read.clocks[role] = _own_clock(sheet, choice, one, frame[one.clock.number], thousands, read)
     return read
+
+
+def _numbers(one: Taken, cells: pd.Series, decimal: str, thousands: str | None) -> tuple[np.ndarray, int | None]:
+    """Numbers without the units behind them; ``4.7k`` is a number beneath a unit that has no prefix itself."""
+    prefixes = one.unit is not None and one.unit.symbol in ("Ω", "N", "S")
+    return numbers(units_apart(cells)[0] if one.units_behind else cells, decimal, thousands, prefixes)
 
 
 def _each_converted(one: Taken, plain: np.ndarray, frame: pd.DataFrame, read: Read) -> np.ndarray:
@@ -184,8 +190,7 @@ def previewed(sheet: Sheet, choice: Choice, thousands: str | None = None) -> dic
             is_date = one.unit_from and role == "time"
             words[role] = "dates and times, in seconds from the first" if is_date else ""
             continue
-        text = pd.Series(cells, dtype="string")
-        values, _ = numbers(units_apart(text)[0] if one.units_behind else text, sheet.decimal, thousands)
+        values, _ = _numbers(one, pd.Series(cells, dtype="string"), sheet.decimal, thousands)
         there = np.isfinite(values).any()
         words[role] = conversion(_example(values), one.unit) if there else "no number at the top of the file"
     return words

@@ -88,7 +88,7 @@ def find_layout(
     Layout or None
         None where no numbers are found below the header.
     """
-    named = header_row or _row_with(rows, wanted)
+    named = header_row or row_with(rows, wanted)
     known = max(named or 0, units_row or 0)
     start = _first_numbers(rows, known) if known else _longest_run(rows)
     if start is None:
@@ -118,7 +118,7 @@ def misfit(rows: Rows, layout: Layout, whole_names: bool = False) -> str:
     return ""
 
 
-def _row_with(rows: Rows, wanted: Sequence[str]) -> int | None:
+def row_with(rows: Rows, wanted: Sequence[str]) -> int | None:
     """The first row that has all the wanted names, from 1."""
     for number, cells in enumerate(rows, 1) if wanted else ():
         have = {cell.strip() for cell in cells} | {read_heading(cell).base for cell in cells}
@@ -268,8 +268,11 @@ def names_above(rows: Rows, start: int, width: int) -> int | None:
 
 
 def _units_between(rows: Rows, header: int | None, start: int, width: int) -> int | None:
-    """A row of units above the numbers; below a header, any row of words is one, if only one we cannot read."""
-    above = _above(rows, start, width)
+    """A row of units above the numbers; below a header, any row of words is one, if only one we cannot read.
+
+    Above the header, a row of fewer cells is something else (``Unit,N``).
+    """
+    above = [place for place in _above(rows, start, width) if place >= (header or 0) or len(rows[place]) >= width]
     known = next((place for place in above if _is_units(rows[place]) and place + 1 != header), None)
     if known is not None:
         return known + 1
@@ -282,9 +285,24 @@ def _columns(rows: Rows, header: int | None, units_row: int | None, start: int) 
     names, units = (_of_table(rows[row - 1], width) if row else [] for row in (header, units_row))
     if ["X_Dimension", "Time"] in [list(cells[:2]) for cells in rows[: (header or 1) - 1]]:
         names = [name.replace("X_Value", LABVIEW_TIME) for name in names]
+    if header and header < start and not _is_units(rows[header]):
+        names = _with_parts(names, rows[header])
     width = max(width, width_of(names))
     cells = ((_cell(names, place), _cell(units, place)) for place in range(width))
     return tuple(column_named(number, *both, units_row) for number, both in enumerate(cells, 1))
+
+
+def _with_parts(names: Sequence[str], below: Sequence[str]) -> list[str]:
+    """Names, where merged ones are of several columns each with the part below it (``set Displacement``)."""
+    filled = [bool(cell.strip()) for cell in below]
+    parts = {
+        place for place in range(1, len(below)) if all(filled[place - 1 : place + 1]) and not _cell(names, place)
+    }
+    joined, name = [], ""
+    for place in range(max(len(names), len(below))):
+        name = _cell(names, place) or (name if place in parts else "")
+        joined.append(f"{_cell(below, place)} {name}".strip() if {place, place + 1} & parts else name)
+    return joined
 
 
 def _cell(cells: Sequence[str], place: int) -> str:

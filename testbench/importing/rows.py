@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.importing.choice import Choice
+from testbench.importing.choice import ELECTRICAL, FLAGS, Choice
 from testbench.importing.clocks import FAR
 from testbench.importing.vocabulary.notation import numbers
+from testbench.importing.vocabulary.roles import STRETCH
 from testbench.importing.wish import Wish
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME
 from testbench.recordings.checks import such, within
@@ -94,7 +95,11 @@ def usable(
             first = int(np.flatnonzero(~fine)[0])
             want = "positive and finite" if name == RESISTANCE else "a finite number"
             remedy, turned = "--drop-bad leaves them out", sorted(REVERSIBLE.intersection(roles))
-            if name == TEMPERATURE:
+            if name != TIME and not np.isfinite(values).any():
+                alike = {DISPLACEMENT: STRETCH, RESISTANCE: ELECTRICAL}.get(name, (name.partition("_")[0],))
+                flags = " or ".join(FLAGS[role] for role in alike if role in roles)
+                remedy = f"its column is empty (as where formulas were never computed); {flags} none leaves it out"
+            elif name == TEMPERATURE:
                 remedy = "--temperature none leaves the temperature out, --drop-bad those rows"
             if name == RESISTANCE and turned and (values < 0).mean() > MOSTLY:
                 flag, given = f"--negate {turned[0]}", wish.negate & REVERSIBLE

@@ -18,7 +18,7 @@ from testbench.recordings.doubts import AGAINST
 SIGNED = ("displacement", "strain", "force")
 TURNED = (*SIGNED, "resistance", "conductance")  # these two are negative where leads are the other way round
 FEW = 100_000  # samples that are enough for a correlation
-_VALUE = re.compile(r"^\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(\S*)\s*$")
+_VALUE = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\s\d.]\S*)?\s*$")
 
 
 def zero_of(role: str, text: str, unit: Unit) -> tuple[float, str]:
@@ -31,10 +31,7 @@ def zero_of(role: str, text: str, unit: Unit) -> tuple[float, str]:
     """
     found = _VALUE.match(text)
     named = unit_of(found[2], (unit.quantity,)) if found and found[2] else unit
-    try:
-        value = float(found[1]) if found else np.nan
-    except ValueError:
-        value = np.nan
+    value = float(found[1]) if found else np.nan
     if named is None or not np.isfinite(value):
         raise UserError(f"--zero {role}= needs a number in {unit.symbol}, or with its unit, got {text!r}")
     return float(named.converted(np.asarray(value))), f"{conversion(value, named)} is the zero of {role}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import groupby
 
 from testbench.importing.layout import Layout, Rows, count_numbers, is_data, names_above, width_of, words_in
 from testbench.importing.vocabulary.headings import Heading, read_heading
@@ -33,19 +34,13 @@ def passed_over(rows: Rows, layout: Layout) -> list[str]:
 
 def _tables(rows: Rows, layout: Layout) -> list[list[int]]:
     """Places of the rows of numbers above the first row of the table, a list for each block without other rows."""
-    tables: list[list[int]] = []
-    inside = False
-    for place in range(layout.first_row - 1):
-        if not width_of(rows[place]):
-            continue
+    filled = [place for place in range(layout.first_row - 1) if width_of(rows[place])]
+
+    def has_numbers(place: int) -> bool:
         named = place + 1 in (layout.header_row, layout.units_row)
-        has_numbers = not named and count_numbers(rows[place]) > 1 and is_data(rows[place])
-        if has_numbers and not inside:
-            tables.append([])
-        if has_numbers:
-            tables[-1].append(place)
-        inside = has_numbers
-    return tables
+        return not named and count_numbers(rows[place]) > 1 and is_data(rows[place])
+
+    return [list(block) for numbers, block in groupby(filled, has_numbers) if numbers]
 
 
 def _numbers_in(table: Sequence[int]) -> str:

@@ -13,6 +13,7 @@ _BY_NAMES = ("cp1252", "cp1250", "cp1251", "cp850", "gb18030", "big5", "cp932", 
 _UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 MOST_LINES = 200  # of more than ASCII, in which names are looked for
 _NO_TEXT = re.compile(rb"[\0-\x08]")
+_IN_PAIRS = re.compile(rb"(?:[\0-\x80]|[\xa1-\xff]{2})*")  # bytes above ASCII, of Chinese characters
 
 
 def encoding_of(raw: bytes) -> str | None:
@@ -35,7 +36,7 @@ def encoding_of(raw: bytes) -> str | None:
     names = {name: _names_in(raw, name) for name in _BY_NAMES}
     if any(names.values()):
         return max(names, key=lambda name: names[name])
-    if _in_pairs(raw) and _decodes(raw, "gb18030"):
+    if _IN_PAIRS.fullmatch(raw) and _decodes(raw, "gb18030"):
         return "gb18030"
     return "cp1252" if _decodes(raw, "cp1252") else "latin-1"
 
@@ -57,19 +58,6 @@ def _decodes(raw: bytes, encoding: str) -> bool:
 def _names_in(raw: bytes, encoding: str) -> int:
     text = raw.decode(encoding) if _decodes(raw, encoding) else ""
     return len(accented_words_in("\n".join([line for line in text.splitlines() if not line.isascii()][:MOST_LINES])))
-
-
-def _in_pairs(raw: bytes) -> bool:
-    """Whether the bytes above ASCII come in even runs of Chinese characters."""
-    run = 0
-    for byte in (*raw, 0):
-        if byte >= 0xA1:
-            run += 1
-        elif byte > 0x80 or run % 2:
-            return False
-        else:
-            run = 0
-    return True
 
 
 def known_encoding(name: str) -> str:

@@ -7,6 +7,7 @@ import re
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.etree.ElementTree import ParseError
@@ -24,9 +25,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Cells = Sequence[Any]
-_LITERAL = re.compile(
-    r'"[^"]*"|\\.|\[[^\]]*\]'
-)  # of a number format: what is shown as it stands, colours, conditions
+# Of a number format: what is shown as it stands, colours, conditions.
+_LITERAL = re.compile(r'"([^"]*)"|\\(.)|\[[^\]]*\]')
 _BY_THOUSAND = re.compile(r"[0#?](,+)(?![0#?,])")  # a comma with no digit behind it
 PER_CENT, THOUSANDS = "%", "thousands"
 
@@ -91,7 +91,7 @@ def open_excel(path: Path, wanted: Sequence[str], hints: Hints) -> ExcelSheet:
 
 
 def _as_meant(column: Column, rows: Sequence[list[Any]]) -> Column:
-    """A column with the unit that its numbers are shown in, which a format may change; a ratio of 1 stays as stored.
+    """A column with the unit that its numbers are shown in, as their format says; a ratio of 1 stays as stored.
 
     Beside any other unit, nobody can tell whether it is of the numbers shown or of those stored: then none is known.
     """
@@ -100,16 +100,16 @@ def _as_meant(column: Column, rows: Sequence[list[Any]]) -> Column:
     forms = {getattr(cell, "shown_in", "") for cell in cells if isinstance(cell, int | float) and cell}
     if not any(forms):
         return column
-    ratio = next((unit.symbol for unit in units_spelt(column.unit_text) if unit.quantity == "ratio"), "")
-    if forms == {PER_CENT} and (not column.unit_text or ratio == PER_CENT):
-        return replace(column, unit_text=PER_CENT, unit_from=column.unit_from or "the format of its cells")
-    if forms == {PER_CENT} and ratio == "1":
+    said, shown = units_spelt(column.unit_text), units_spelt("".join(forms) if len(forms) == 1 else "")
+    if shown and (not column.unit_text or set(said) & set(shown)):
+        return replace(column, unit_text="".join(forms), unit_from=column.unit_from or "the format of its cells")
+    if forms == {PER_CENT} and any(unit.quantity == "ratio" and unit.factor == 1 for unit in said):
         for row in rows:
             if place < len(row) and isinstance(row[place], _Scaled):
                 row[place] = row[place].stored
         return column
-    shown = " or ".join(sorted(form or "other formats" for form in forms))
-    return replace(column, unit_text=f"{column.unit_text} shown in {shown}".strip())
+    others = " or ".join(sorted(form or "other formats" for form in forms))
+    return replace(column, unit_text=f"{column.unit_text} shown in {others}".strip())
 
 
 def _decimal(path: Path, rows: Sequence[Cells]) -> str:
@@ -154,7 +154,7 @@ def _read(path: Path, wanted: str | None) -> dict[str, list[list[Any]]]:
 
 
 def _rows(path: Path, sheet: Any) -> list[list[Any]]:
-    """The values as the sheet shows them: ``0 %`` shows 0.5 as 50 %, and ``#,##0,`` shows 47000 as 47."""
+    """The values as the sheet shows them: ``0 %`` shows 0.5 as 50 %, ``0 "N"`` as 1 N, and ``0,`` 47000 as 47."""
     from openpyxl.cell.read_only import EMPTY_CELL
 
     rows: list[list[Any]] = []
@@ -174,14 +174,23 @@ def _rows(path: Path, sheet: Any) -> list[list[Any]]:
 
 
 def _value(cell: Any) -> Any:
-    """What a cell holds; a number that its format shows a hundred or thousand times another as it is shown."""
+    """What a cell holds; a number that its format shows in a unit, or in hundredths or thousands, as it is shown."""
     if not isinstance(cell.value, int | float) or isinstance(cell.value, bool):
         return cell.value
-    form = _LITERAL.sub("", str(cell.number_format or "").partition(";")[0])
-    if thousands := _BY_THOUSAND.search(form):
-        factor = (100 if "%" in form else 1) / 1000 ** len(thousands[1])
-        return _Scaled.of(cell.value, cell.value * factor, THOUSANDS)
-    return _Scaled.of(cell.value, 100 * cell.value, PER_CENT) if "%" in form else cell.value
+    factor, shown_in = _shown_by(str(cell.number_format or ""))
+    return _Scaled.of(cell.value, cell.value * factor, shown_in) if shown_in else cell.value
+
+
+@lru_cache
+def _shown_by(number_format: str) -> tuple[float, str]:
+    """What a format multiplies numbers by to show them, and the unit it shows behind them; empty where none."""
+    first = number_format.partition(";")[0]
+    form, unit = _LITERAL.sub("", first), "".join(map("".join, _LITERAL.findall(first))).strip()
+    thousands, per_cent = _BY_THOUSAND.search(form), PER_CENT in form
+    factor = (100 if per_cent else 1) / 1000 ** (len(thousands[1]) if thousands else 0)
+    if units_spelt(unit) and PER_CENT not in first:
+        return factor, unit
+    return factor, THOUSANDS if thousands else PER_CENT * per_cent
 
 
 def _shown(cell: Any) -> str:

@@ -18,13 +18,14 @@ import numpy as np
 from gcode.support.errors import UserError
 from gcode.support.strict import blocks_of
 from testbench.importing.files.encodings import encoding_of, is_text, known_encoding
-from testbench.importing.files.named_cells import NamedCells, named_cells
+from testbench.importing.files.log_lines import NamedCells, named_cells, plain_lines
 from testbench.importing.layout import (
     SHOWN,
     Layout,
     count_numbers,
     find_layout,
     is_data,
+    row_with,
     shortened,
     width_of,
     words_in,
@@ -42,9 +43,6 @@ BLANKS = " "  # any number of blanks is one separator
 MOST_BROKEN = 60  # lines of a row whose quoted cells have line breaks
 # What may stand between names that have blanks themselves, where blanks part the numbers below them.
 BETWEEN_NAMES = (re.compile(r"\s*[,;|\t]\s*"), re.compile(r"\t+| {2,}"))
-# Monitors of serial ports write when a line came, in brackets (Tera Term) or with an arrow behind it (Arduino).
-STAMPED = r"(?m)^\[?((?:\d{4}-\d{2}-\d{2}[ T])?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)(?:\]| -?>)[ \t]?"
-END_OF_TEXT = "\x1a"  # of DOS, which some loggers still write below the last row
 AFTER_A_UNIT = re.compile(r"(?<=[)\]])\s+")
 WORDS = re.compile(r'"[^"]*"|\S+')
 QUOTED = re.compile(r'"[^"\n]*"')
@@ -77,8 +75,8 @@ class _Headed(io.TextIOBase):
         if header := self._header:
             self._header = ""
             return header
-        text = _stamps_apart(self._stream.read(size) + self._stream.readline(), self._separator)
-        text = self._named.taken_out(text) if self._named else text
+        text = self._stream.read(size) + self._stream.readline()
+        text = self._named.taken_out(text) if self._named else plain_lines(text, self._separator)
         lines = text.removesuffix("\n").split("\n") if text else []
         counts = _counts(lines, self._separator)
         if counts.count(self._usual) < len(lines):
@@ -130,7 +128,9 @@ class TextSheet(Sheet):
             for place, line in enumerate(stream, 1 - self.layout.first_row):
                 if place in places and line.strip():
                     cells = _split([self.named.taken_out(line) if self.named else line], self.separator)[0]
-                    if any(number <= len(cells) and cells[number - 1].strip() for number in numbers):
+                    if {"\0", "\x1a"} & set(line) or any(
+                        number <= len(cells) and cells[number - 1].strip() for number in numbers
+                    ):
                         found.append(place)
         return found if place + 1 == count else []
 
@@ -160,7 +160,6 @@ class TextSheet(Sheet):
                     header=0,
                     names=names,
                     usecols=[number - 1 for number in numbers],
-                    na_values=[END_OF_TEXT],
                     skip_blank_lines=False,
                     skipinitialspace=True,
                     index_col=False,
@@ -238,7 +237,7 @@ def open_text(path: Path, wanted: Sequence[str], hints: Hints) -> TextSheet:
     found, named = _layouts(lines, [hints.separator] if hints.separator else SEPARATORS, wanted, hints), None
     if not any(len(layout.columns) > 1 for _, _, layout in found):
         if named := named_cells(lines):
-            lines = named.taken_out("\n".join(lines)).split("\n")
+            lines = [""] * named.above + named.taken_out("\n".join(lines[named.above :])).split("\n")
             layouts = _layouts(lines, [named.separator], (), replace(hints, header_row=0, units_row=0))
             found = [(separator, rows, named.put_above(layout)) for separator, rows, layout in layouts]
         else:
@@ -280,7 +279,7 @@ def _head(path: Path, encoding: str | None) -> tuple[str, list[str]]:
 
 def _split(lines: Sequence[str], separator: str) -> list[list[str]]:
     """Rows of cells, one a line; below a cell with line breaks, as many empty ones."""
-    lines = [_stamps_apart(line, separator) for line in lines]
+    lines = [plain_lines(line, separator) for line in lines]
     if separator == BLANKS:
         return [_at_blanks(line) for line in lines]
     rows: list[list[str]] = []
@@ -288,13 +287,6 @@ def _split(lines: Sequence[str], separator: str) -> list[list[str]]:
         cells, count = _cells(lines[len(rows) : len(rows) + MOST_BROKEN], separator)
         rows += [cells, *([[]] * (count - 1))]
     return rows
-
-
-def _stamps_apart(text: str, separator: str) -> str:
-    """Lines of cells in which the stamp of a serial monitor is a cell of its own."""
-    if ">" not in text and "]" not in text:
-        return text
-    return re.sub(rf"{STAMPED}(?=.*{re.escape(separator)})", rf"\1{separator}", text)
 
 
 def _at_blanks(line: str) -> list[str]:
@@ -356,13 +348,8 @@ def _decimal(path: Path, rows: Sequence[Sequence[str]], layout: Layout, separato
 
 
 def _no_numbers(lines: Sequence[str], wanted: Sequence[str], hints: Hints) -> str:
-    below = hints.header_row
-    for separator in SEPARATORS:
-        rows = _split(lines, separator)
-        for number, cells in enumerate(rows, 1) if wanted else ():
-            if all(name in [cell.strip() for cell in cells] for name in wanted):
-                below = number
-    if below:
+    named = [row_with(_split(lines, separator), wanted) for separator in SEPARATORS]
+    if below := next(filter(None, named), hints.header_row):
         return f"there is nothing below the header in row {below}"
     filled = [line.strip() for line in lines if line.strip()]
     return (

@@ -11,7 +11,7 @@ from testbench.importing.vocabulary.roles import ROLES, STRETCH, is_generic, rol
 
 _BRACKET = re.compile(r"^(.*?)[\s_]*(?:\[([^\[\]]*)\]|\(([^()]*)\)|\{([^{}]*)\}|<([^<>]*)>)\s*$", re.S)
 _TAIL = re.compile(
-    rf"^(.*?)(?:\s*/\s*|\s+in\s+|[\s_]+per[\s_]+|\s*[,:;=]\s*|_|\s+)((?:{PREFIX}[\s_]+)?[^\s/,:;=_]+)$", re.S
+    rf"^(.*?)(?:\s*/\s*|\s+in\s+|[\s_]+per[\s_]+|\s*[,:;=.]\s*|_|\s+)((?:{PREFIX}[\s_]+)?[^\s/,:;=._]+\.?)$", re.S
 )
 _STROKE = re.compile(r"^([^/,]+?)\s*[/,]\s*([^\s/,\d][^\s,]*)$")
 _RATIOS = {role for role, quantities in ROLES.items() if quantities == ("ratio",)}
@@ -150,13 +150,14 @@ def _tail(plain: str) -> tuple[str, str]:
 def _ends(plain: str) -> list[tuple[str, str]]:
     """A name, and what behind it may be its unit; a number behind a blank counts columns (``Strain 1``)."""
     found = [match for pattern in (_TAIL, _PER_CENT) if (match := pattern.match(plain))]
-    ends = [one for one in found if not one[2].isdigit() or plain[one.end(1) : one.start(2)].strip("_ ")]
+    ends = [one for one in found if not one[2].isdigit() or plain[one.end(1) : one.start(2)].strip("_. ")]
     return [(one[1].strip(), one[2]) for one in ends if one[1].strip()]
 
 
 def unit_behind(name: str, quantities: tuple[str, ...]) -> str:
-    """The unit of one of these quantities at the end of a name that says nothing else to us: ``ext_mm``."""
-    return next((end for _, end in _ends(name) if unit_of(end, quantities)), "")
+    """The unit of one of these quantities at the end of a name: ``ext_mm``; but not of ``(1/Ohm)`` or ``(0.1 N)``."""
+    ends = [(before, end) for before, end in _ends(name) if not re.search(r"[(\[{<][\d.,]+$", before)]
+    return next((end for _, end in ends if unit_of(end, quantities)), "")
 
 
 def _without_brackets(name: str) -> str:

@@ -90,10 +90,10 @@ _TABLE: dict[str, tuple[tuple[str, float, float, str, str], ...]] = {
         ("nS", 1e-9, 0.0, "nS", "nanosiemens"),
     ),
     "ratio": (
-        ("1", 1.0, 0.0, "1 -", "mm/mm m/m ohm/ohm ω/ω n/n"),
+        ("1", 1.0, 0.0, "1 -", "mm/mm m/m in/in ohm/ohm ω/ω n/n"),
         ("%", 1e-2, 0.0, "%", "percent prozent pct"),
         ("‰", 1e-3, 0.0, "‰", "promille permille"),
-        ("µε", 1e-6, 0.0, "µε uε µm/m um/m", "microstrain ustrain"),
+        ("µε", 1e-6, 0.0, "µε uε µm/m um/m", "ue microstrain ustrain µstrain"),
     ),
     "temperature": (
         ("°C", 1.0, 0.0, "C °C", "degc deg.c celsius grad 摄氏度"),
@@ -106,9 +106,10 @@ _TABLE: dict[str, tuple[tuple[str, float, float, str, str], ...]] = {
 def plain_text(text: str) -> str:
     """One spelling for signs that have several: full-width brackets, the two omegas, deltas and mus, ℃, R₀.
 
-    Signs that mean something by their height (the ² of mm²) stay as they are.
+    Signs that mean something by their height (the ² of mm²) stay as they are; those that nobody sees are left out.
     """
-    kept = "".join(sign if sign in "²³" else unicodedata.normalize("NFKC", sign) for sign in text)
+    seen = (sign for sign in text if unicodedata.category(sign) != "Cf")
+    kept = "".join(sign if sign in "²³" else unicodedata.normalize("NFKC", sign) for sign in seen)
     return kept.replace("μ", "µ").replace("∆", "Δ").replace("−", "-").strip()
 
 

@@ -16,8 +16,10 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _EXPONENT = r"([eEdD][+-]?\d+)?"  # D of Fortran
-_POINT = re.compile(rf"^[+-]?(\d+\.?\d*|\.\d+){_EXPONENT}$")
-_COMMA = re.compile(rf"^[+-]?(\d+,?\d*|,\d+){_EXPONENT}$")
+_PREFIXES = {"k": "e3", "K": "e3", "M": "e6", "G": "e9", "m": "e-3", "u": "e-6", "µ": "e-6", "n": "e-9"}  # 4.7k
+_PREFIX = re.compile(rf"(?<=[\d.,])\s?([{''.join(_PREFIXES)}])$")
+_POINT = re.compile(rf"^[+-]?(\d+\.?\d*|\.\d+)({_EXPONENT}|{_PREFIX.pattern})$")
+_COMMA = re.compile(rf"^[+-]?(\d+,?\d*|,\d+)({_EXPONENT}|{_PREFIX.pattern})$")
 # 1,234 may be a bit more than one, or a thousand and more.
 _EITHER = re.compile(r"^[+-]?[1-9]\d{0,2}[.,]\d{3}$")
 _APART = r"'’ \u00a0\u2007\u2009\u202f"  # apostrophes and blanks: no-break, of a digit's width, thin, narrow
@@ -36,7 +38,7 @@ _DATE = re.compile(
 )
 # 10:15:30.5, with AM or PM behind it, or days before it as pandas writes them; or minutes and seconds, 15:30.5
 _CLOCK = re.compile(
-    r"^(?:(?:(\d+) days? )?(\d{1,3}):(\d{2}):(\d{2}(?:\.\d+)?)(?: ?([AaPp])\.?[Mm]\.?)?|(\d{1,3}):(\d{2}\.\d+))$"
+    r"^(?:(?:(\d+) days? )?(\d{1,3}):([0-5]\d):([0-5]\d(?:\.\d+)?)(?: ?([AaPp])\.?[Mm]\.?)?|(\d{1,3}):(\d{2}\.\d+))$"
 )
 # 12:01: hours and minutes, or minutes and seconds; before AM or PM, it can be but the former.
 _SHORT_CLOCK = re.compile(r"^(\d{1,3}:\d{2})$")
@@ -148,7 +150,9 @@ def may_be_thousands(cell: str, decimal: str) -> bool:
     return bool(_THOUSANDS[decimal].match(cell.strip()))
 
 
-def numbers(cells: pd.Series, decimal: str, thousands: str | None = None) -> tuple[np.ndarray, int | None]:
+def numbers(
+    cells: pd.Series, decimal: str, thousands: str | None = None, prefixes: bool = False
+) -> tuple[np.ndarray, int | None]:
     """Cells as numbers, and the place of the first that is none.
 
     A thousands separator is taken away only where a number of the column proves it (``1.234,5``), or where it was
@@ -159,6 +163,8 @@ def numbers(cells: pd.Series, decimal: str, thousands: str | None = None) -> tup
     cells : Series
     decimal : {".", ","}
     thousands : str, optional
+    prefixes : bool
+        Whether a prefix of the unit may stand behind a number (``4.7k``).
 
     Returns
     -------
@@ -180,6 +186,8 @@ def numbers(cells: pd.Series, decimal: str, thousands: str | None = None) -> tup
     if decimal == ",":
         pointed = plain.str.contains(".", regex=False, na=False)
         plain = plain.mask(pointed, "?").str.replace(",", ".", regex=False)
+    if prefixes:
+        plain = plain.str.replace(_PREFIX, lambda found: _PREFIXES[found[1]], regex=True)
     values = pd.to_numeric(plain.str.replace(r"(?<=[\d.])[dD](?=[+-]?\d)", "e", regex=True), errors="coerce")
     if cells.dtype == object:  # beside texts, what is a number already has no decimal sign
         stored = cells.map(kinds.is_number)

@@ -34,10 +34,12 @@ def _words(text: str) -> tuple[str, ...]:
 
 
 # Whole words, without accents: English, and other languages that part their words. Of those, none that is another
-# thing in English or German (course: of a knit, charge: a batch).
+# thing in English or German (course: of a knit, charge: a batch); such say something only beside a unit.
+_BESIDE_UNIT = {"course": "displacement", "charge": "force", "last": "force"}
 _WHOLE = {
     "time": _words(
-        "time elapsed timestamp epoch clock seconds runtime temps tempo tiempo tijd czas cas tid zaman время"
+        "time elapsed timestamp timestamps epoch clock seconds runtime temps tempo tiempo tijd czas cas tid zaman "
+        "время"
     ),
     "displacement": _words(
         "displacement displ disp extension ext elongation elong crosshead position pos stroke travel deflection "
@@ -72,7 +74,7 @@ _PARTS = {
 }
 _SYMBOLS = {
     "time": _words("t T"),
-    "displacement": _words("x s u d dl Δl ΔL δ"),
+    "displacement": _words("x s u d dl dL Δl ΔL δ"),
     "strain": _words("ε eps epsilon"),
     "force": _words("F f"),
     "resistance": _words("R r Rs Rp Rdc"),  # the last as LCR meters write them
@@ -81,9 +83,10 @@ _SYMBOLS = {
 }
 # A column with such a word is about the quantity, not the quantity itself. Rates, set points, extremes, counters.
 _ABOUT = _words(
-    "rate speed velocity setpoint set command cmd commanded target demand reference planned max "
-    "maximum min minimum peak break rupture yield std sd noise error limit count counter number index cycle cycles "
-    "zyklus zyklen energy work stress modulus stiffness density adc shunt series "
+    "rate speed velocity setpoint set command cmd commanded target demand reference planned max maximum min minimum "
+    "peak break rupture yield std sd noise error limit digits count counter number index cycle cycles "
+    "zyklus zyklen energy work stress modulus stiffness density adc shunt series ntc ptc rtd thermistor "
+    "log ln lg inverse reciprocal per cumulative accumulated offset tare "
     "vitesse velocita velocidad velocidade consigne contrainte maximale massimo massima maximo maxima snelheid "
     "predkosc maksymalna maksymalne zadana zadane naprezenie"
 )
@@ -92,15 +95,18 @@ _ABOUT_PARTS = _words(
     "应力 速度 速率 循环 次数 最大 最小 设定 目标 编号 應力 循環 次數 設定 目標 編號 "
     "応力 回数 番号 サイクル 破断 降伏 응력 속도 최대 최소 설정 목표 번호 횟수 사이클 파단 항복"
 )
+# But the change rate of a resistance (电阻变化率) is its relative change, no change in time; the time has no rate
+# (``Time - default sample rate`` of catman is one); and a thermistor measures a temperature.
+_NONE_ABOUT = {"relative_change": "rate", "time": "rate cumulative offset", "temperature": "ntc ptc rtd thermistor"}
 # Of an index behind R: the resistance at rest, or another one of the circuit, and not the one that is measured.
-_NOT_MEASURED = _words("0 o ref init initial rest shunt series load")
+_NOT_MEASURED = _words("0 o ref init initial rest shunt series load known fixed pullup pulldown div divider")
 # A strain that is not the nominal one along the sensor: of the length at the time, or across.
 _NOT_NOMINAL = _words("true log logarithmic hencky transverse lateral")
 _NOT_NOMINAL_PARTS = _words("quer wahre logarithm hencky 真 对数 對數 横 橫向 진변형 횡변형")
 _NOT_ALONE = _words("力矩 动力 動力 应力 應力 圧力 压力 壓力 入力 出力")
 _GENERIC = re.compile(
-    r"^(ch(annel)?|kanal|(\w+/)?ai|analog(ue)?[ _]?in(put)?|sensor|signal|value|wert|column|spalte|y|通道)?"
-    r"[ _#.:-]*\d*$",
+    r"^(ch(annel)?|kanal|(\w+/)?ai|analog(ue)?[ _]?in(put)?|sensor|signal|value|readings?|(mess)?wert|column|spalte|y"
+    r"|通道)?[ _#.:-]*\d*$",
     re.I,
 )
 _STROKED = str.maketrans("łŁ", "lL")  # a letter of its own, not an accent
@@ -153,6 +159,12 @@ def roles_of(base: str, whole: str) -> dict[str, int]:
     return {role: strength for role, strength in found.items() if strength == strongest}
 
 
+def role_beside_unit(whole: str) -> str:
+    """The role of a name that says one only where a unit of it stands beside; empty where there is none such."""
+    found = [_BESIDE_UNIT[word] for word in words_of(whole) if word in _BESIDE_UNIT]
+    return found[0] if found and not speaks_about(whole) else ""
+
+
 def _by_word(role: str, base: str, whole: str) -> int:
     whole_words, parts = _WHOLE[role], _PARTS[role]
     plain = base.strip().casefold()
@@ -187,13 +199,8 @@ def _letter_and_index(base: str) -> tuple[str, str]:
 
 
 def speaks_about(whole: str, role: str = "") -> bool:
-    """Whether a name is of something derived: a rate, a set point, a maximum, a counter.
-
-    The change rate of a resistance (电阻变化率) is its relative change, no change in time; and the time has no rate:
-    ``Time - default sample rate`` (catman) is one.
-    """
-    words = [word for word in _ABOUT if word != "rate" or role not in ("relative_change", "time")]
-    return _has(whole, words, _ABOUT_PARTS)
+    """Whether a name is of something derived: a rate, a set point, a maximum, a counter, a logarithm."""
+    return _has(whole, set(_ABOUT).difference(_words(_NONE_ABOUT.get(role, ""))), _ABOUT_PARTS)
 
 
 def _is_not_nominal(whole: str) -> bool:

@@ -69,6 +69,14 @@ def test_clocks_are_found_by_their_names_or_places(tmp_path, name):
     assert recording["resistance_ohm"] == pytest.approx(900.1 + recording.time_s)
 
 
+def test_a_channel_without_a_clock_of_its_name_has_that_left_of_it(tmp_path):
+    lines = [line.split(",") for line in TWO_CLOCKS.splitlines()]
+    (tmp_path / "lab.csv").write_text("\n".join(",".join([*cells[:4], cells[5]]) for cells in lines))
+    found = import_csv(tmp_path / "lab.csv", Wish(40.0))
+    assert "its own times: column 3 't_F [s]'" in found.taken["displacement"]
+    assert found.recording["displacement_mm"] == pytest.approx(2 * found.recording["force_N"])
+
+
 REPEATS = "repeat,time_s,displacement_mm,force_N\n" + "".join(
     f"{repeat},{t:.1f},{repeat + t:.1f},{t:.1f}\n" for repeat in (1, 2, 3) for t in np.arange(0, 2, 0.1)
 )

@@ -92,6 +92,14 @@ TESTERS = {
         "SetName,Cycle,Time_S,Displacement_mm,Force_mN\n" + rows(["a"] * COUNT, LINE, T, X, 1e3 * F),
         "utf-8",
     ),
+    "Bluehill, German": ("Zeit;Traversenweg;Last\n(s);(mm);(N)\n" + european(T, X, F), "cp1252"),
+    "Bluehill, French": ("Temps;Déplacement;Charge\n(s);(mm);(kN)\n" + european(T, X, F / 1e3), "cp1252"),
+    "testXpert, French": ("Temps d'essai;Course standard;Force standard\ns;mm;N\n" + european(T, X, F), "cp1252"),
+    "Imada ZT-Logger": (
+        "Date,2026/03/01\nUnit,N\nSampling,10[Hz]\n\nTime[s],Force[N],Displacement[mm]\n" + rows(T, F, X),
+        "utf-8",
+    ),
+    "in/in": ("Time (s),Strain (in/in),Load (lbf)\n" + rows(T, X / 40, F / LBF_N), "utf-8"),
     "ADMET MTESTQuattro": ("Specimen,1\nTime,Position,Load\nsec,in,lb\n" + rows(T, X / 25.4, F / LBF_N), "utf-8"),
 }
 LOGGERS = {
@@ -104,6 +112,8 @@ LOGGERS = {
         "#,Time,Resistance (Ω),Force (N)\n" + rows(LINE, stamps("%m/%d/%Y %H:%M:%S.%f"), R, F),
         "utf-8",
     ),
+    "a buffer of readings": ("timestamps [s]\treadings [Ohm]\tForce (N)\n" + tabs(T, R, F), "utf-8"),
+    "microstrain": ("time_ms,strain_ue,force_N\n" + rows(1e3 * T, X / 40e-6, F), "utf-8"),
     "Agilent 34970A": (
         "Scan,Time,101 <Force> (N),102 <Rsensor> (OHM)\n" + rows(LINE, stamps("%m/%d/%Y %H:%M:%S:%f"), F, R),
         "utf-16",
@@ -144,6 +154,7 @@ PROGRAMS = {
         '"";"Time..s.";"Extension..mm.";"Load..N."\n' + european([f'"{n}"' for n in LINE], T, X, F),
         "utf-8",
     ),
+    "R, from DIN": ('"t.s" "s.mm" "F.N" "R.kOhm"\n' + rows(T, X, F, R / 1e3, sep=" "), "utf-8"),
     "Origin": ("Time\tDisplacement\tForce\ns\tmm\tN\nknit 1\tknit 1\tknit 1\n" + tabs(T, X, F), "utf-8"),
     "numpy, no blanks in names": ("t_[s] Weg_[mm] Load_(N) R_(Ohm)\n" + rows(T, X, F, R, sep=" "), "utf-8"),
     "pandas": (",time_s,disp_mm,force_N\n" + rows(LINE, T, X, F), "utf-8"),
@@ -192,6 +203,14 @@ def test_half_a_unit_is_none(tmp_path: Path, strain: str) -> None:
     (tmp_path / "lab.csv").write_text(f"{others},{strain},force_N\n" + rows(T, T, F))
     with pytest.raises(UserError, match="cannot be read as one"):
         import_csv(tmp_path / "lab.csv", Wish(40.0))
+
+
+@pytest.mark.parametrize(
+    "name", ["Course", "Charge", "Charge (C)", "Last", "Last cycle (N)", "Strain.1", "Disp Digits"]
+)
+def test_what_is_another_thing_without_its_unit(tmp_path, name):
+    (tmp_path / "lab.csv").write_text(f"Time (s),Position (mm),{name}\n" + rows(T, X, [7.0] * COUNT))
+    assert set(import_csv(tmp_path / "lab.csv", Wish(40.0)).recording.channels) == {"displacement_mm"}
 
 
 @pytest.mark.parametrize(

@@ -66,6 +66,10 @@ def test_a_unit_that_a_person_names_is_held_to_the_quantity():
 HEADINGS = [
     ("Kraft [N]", {"force"}, "N"),
     ("Weg / mm", {"displacement"}, "mm"),
+    ("\u200edL/µm\ufeff", {"displacement"}, "µm"),
+    ("force.N", {"force"}, "N"),
+    ("R.kOhm", {"resistance"}, "kOhm"),
+    ("Strain.1", {"strain"}, ""),
     ("time_ms", {"time"}, "ms"),
     ("Load(ElectroPuls (0,1):Load) (N)", {"force"}, "N"),
     ("Zeit in s", {"time"}, "s"),

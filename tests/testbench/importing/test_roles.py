@@ -43,6 +43,48 @@ def test_the_measured_resistance_is_taken_before_what_is_made_of_it(tmp_path, na
     assert recording["resistance_ohm"].tolist() == [100, 101, 102, 103]
 
 
+DERIVED = ["Log resistance (Ohm)", "Log10 R [Ohm]", "ln(R) [Ohm]", "1/Resistance (1/Ohm)", "NTC resistance (Ohm)"]
+DERIVED += ["Force per wale [N]", "Force offset [N]", "Inverse resistance [Ohm]"]
+
+
+@pytest.mark.parametrize("name", DERIVED)
+def test_what_was_made_of_a_quantity_is_not_the_quantity(tmp_path, name):
+    """A logarithm below Ω was read as ohms."""
+    path = table(tmp_path, name)
+    if name.startswith("1/"):
+        with pytest.raises(UserError, match=r"resistance .* does not say its unit"):
+            import_csv(path, Wish(40.0))
+        return
+    assert set(import_csv(path, Wish(40.0)).recording.channels) == {"displacement_mm"}
+
+
+@pytest.mark.parametrize("name", ["Load (0.1 N)", "Load (0,01 N)", "Load (5 N)", "Load cell (50 N)"])
+def test_a_unit_behind_a_number_in_brackets_is_none(tmp_path, name):
+    """Tenths of a newton were read as newtons."""
+    with pytest.raises(UserError, match=r"force .*does not say its unit|its unit"):
+        import_csv(table(tmp_path, f'"{name}"'), Wish(40.0))
+    recording = import_csv(table(tmp_path, f'"{name} [N]"'), Wish(40.0)).recording
+    assert recording["force_N"].tolist() == [100, 101, 102, 103]
+
+
+@pytest.mark.parametrize("units", ["", "s,mm,mm,N\n"])
+def test_names_of_several_columns_have_parts_below_them(tmp_path, units):
+    """Where cells are merged, the first of the columns was taken: the displacement that was set."""
+    names = "Time,Displacement,,Force" if units else "Time (s),Displacement (mm),,Force (N)"
+    path, rows = tmp_path / "lab.csv", "".join(f"{n},{n + 5},{n},{2 * n}\n" for n in range(9))
+    path.write_text(f"{names}\n,set,actual,\n{units}{rows}")
+    assert import_csv(path, Wish(40.0)).recording["displacement_mm"].tolist() == list(range(9))
+    path.write_text(f"{names}\n,left,right,\n{units}{rows}")
+    with pytest.raises(UserError, match=r"left Displacement.* and column 3 'right Displacement.* both fit"):
+        import_csv(path, Wish(40.0))
+
+
+def test_words_that_speak_about_most_roles_are_plain_for_some(tmp_path):
+    path = tmp_path / "lab.csv"
+    path.write_text("Cumulative time (s),Position (mm),NTC temperature (C)\n0,1,20\n0.1,2,21\n0.2,3,22\n")
+    assert import_csv(path, Wish(40.0)).recording["temperature_C"].tolist() == [20, 21, 22]
+
+
 STRAINS = ["True strain", "Log. strain", "Logarithmic strain", "Hencky strain", "Transverse strain", "strain_lateral"]
 STRAINS += ["Querdehnung", "wahre Dehnung", "真应变", "ε_true"]
 

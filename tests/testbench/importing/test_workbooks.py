@@ -55,6 +55,33 @@ def test_where_the_unit_is_said_it_is_of_the_numbers_that_are_shown(tmp_path):
     assert recording["resistance_ohm"][0] == pytest.approx(47e3)
 
 
+@pytest.mark.parametrize("form", ['0.0" kΩ"', "0.0\\ \\k\\Ω", 'General" kOhm"', '0.0 "kOhm";-0.0 "kOhm"'])
+@pytest.mark.parametrize("name", ["R", "R (kOhm)"])
+def test_a_format_may_show_the_unit(tmp_path, form, name):
+    recording = import_csv(written_workbook(tmp_path, [47.0, 46.0, 45.0], form, name), Wish(40.0)).recording
+    assert recording["resistance_ohm"].tolist() == pytest.approx([47e3, 46e3, 45e3])
+
+
+def test_a_format_that_scales_shows_the_unit_of_what_it_shows(tmp_path):
+    recording = import_csv(written_workbook(tmp_path, [47e3, 46e3, 45e3], '0.0," kΩ"', "R"), Wish(40.0)).recording
+    assert recording["resistance_ohm"].tolist() == pytest.approx([47e3, 46e3, 45e3])
+
+
+@pytest.mark.parametrize(
+    ("form", "name", "said"),
+    [
+        ('0.0" kΩ"', "R (Ohm)", "Ohm shown in kΩ"),
+        ('0.0," kΩ"', "R (Ohm)", "Ohm shown in kΩ"),
+        (['0.0" kΩ"', '0.0" Ω"', '0.0" Ω"'], "R", "shown in kΩ or Ω"),
+    ],
+)
+def test_where_header_and_format_say_other_units_none_is_known(tmp_path, form, name, said):
+    """47.0 kΩ below R (Ohm) was read as 47 Ω."""
+    path = written_workbook(tmp_path, [47.0, 46.0, 45.0], form, name)
+    with pytest.raises(UserError, match=f"its unit '{said}' cannot be read.*--resistance-unit"):
+        import_csv(path, Wish(40.0))
+
+
 @pytest.mark.parametrize("name", ["dR/R0", "dR/R0 (%)", "dR/R0 (-)", "dR/R0 [1]", "dR/R0 (ohm/ohm)"])
 def test_percent_of_a_ratio_are_of_one(tmp_path, name):
     """0.039 that is shown as 3.9 % was read as 3.9 where the header says no unit, or 1."""
