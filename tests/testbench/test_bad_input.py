@@ -178,6 +178,4 @@ def test_options_of_effects_that_nothing_has_a_use_for(tmp_path, monkeypatch, ca
 def test_a_count_is_a_whole_number_from_1(capsys, words, number):
     with pytest.raises(SystemExit, match="2"):
         main([*words.split(), number])
-    assert re.search(
-        r"must be (1 or more|a whole number, 0 or more), got|expected one argument", capsys.readouterr().err
-    )
+    assert re.search(r"must be a whole number, 1 or more, got|expected one argument", capsys.readouterr().err)
