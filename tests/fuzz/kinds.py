@@ -82,7 +82,7 @@ KINDS: dict[str, Kind] = {
             f"testbench report {RECORDED} --model {{doc}} -o {{out}}",
             f"testbench fit {ON} --model {{doc}} -o {{out}}",
             "testbench run --program {driven} --sensor {doc} -o {out}",
-            f"testbench add hysteresis --model {{doc}} --fit {ON} -o {{out}}",
+            f"testbench add load_cell_creep --model {{doc}} --fit {ON} -o {{out}}",
             f"testbench diagnose {ON} --model {{doc}} --repeat 1 --quiet --json {{out}}",
             "testbench experiment {doc} {model} --duration-s 120",
         ),
