@@ -15,7 +15,7 @@ from testbench.studio.parts.starting import join_running
 from testbench.studio.parts.widgets import aside, button, subheading, trouble, way_on
 from testbench.studio.studio import Studio
 
-PLAY, REST = "Play of the clamps / mm", "Rest of the specimen before it / s"
+PLAY, REST = "Play of the clamps / mm", "Rest before it / s"
 
 
 async def refit_instead(studio: Studio, c: str) -> bool:
