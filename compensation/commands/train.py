@@ -6,6 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from compensation.commands import common
+from gcode.support.console import given
 from gcode.support.errors import UserError
 
 if TYPE_CHECKING:
@@ -96,8 +97,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _implied(args: argparse.Namespace) -> str:
     """The method where none is named: the paper's where one of its options is given."""
-    own = any(getattr(args, name) is not None for name in OWN_CHOICES)
-    return "paper" if own or args.per_recording else "auto"
+    return "paper" if given(args, OWN_CHOICES) or args.per_recording else "auto"
 
 
 def _check_long_enough(args: argparse.Namespace, options: Options, recordings: list[Recording]) -> None:
@@ -138,12 +138,12 @@ def _options(args: argparse.Namespace) -> Options:
     from compensation.training.options import Options
 
     _check(args)
-    given = {name: getattr(args, name) for name in OWN_CHOICES if getattr(args, name) is not None}
-    if "hidden" in given:
-        given["sizes"] = common.parse_sizes(given.pop("hidden"))
-    if "factors" in given:
-        given["alphas"] = common.parse_factors(given.pop("factors"))
-    return Options(seed=args.seed, irregular=args.irregular, per_recording=args.per_recording, **given)
+    own = given(args, OWN_CHOICES)
+    if "hidden" in own:
+        own["sizes"] = common.parse_sizes(own.pop("hidden"))
+    if "factors" in own:
+        own["alphas"] = common.parse_factors(own.pop("factors"))
+    return Options(seed=args.seed, irregular=args.irregular, per_recording=args.per_recording, **own)
 
 
 def _check(args: argparse.Namespace) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable
 from typing import Any
 
 # As typed, the parameter that it sets, its unit and what it is.
@@ -20,8 +19,3 @@ def number(
 ) -> None:
     """Declare an option that takes a number of a unit; `settings` are argparse's own."""
     parser.add_argument(option, dest=name, metavar=unit, help=words, **{"type": float, **settings})
-
-
-def given(args: argparse.Namespace, names: Iterable[str]) -> dict[str, Any]:
-    """What was said, by the parameter that it sets."""
-    return {name: getattr(args, name) for name in names if getattr(args, name) is not None}

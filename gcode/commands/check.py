@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from gcode.commands._numbers import ACCELERATION, HIGHEST, JERK, LOWEST, SPEED, given, number
+from gcode.commands._numbers import ACCELERATION, HIGHEST, JERK, LOWEST, SPEED, number
+from gcode.support.console import given
 
 if TYPE_CHECKING:
     from gcode.mach4.check import CheckResult

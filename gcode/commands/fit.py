@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from gcode.commands._numbers import given, number
+from gcode.commands._numbers import number
+from gcode.support.console import given
 
 if TYPE_CHECKING:
     from gcode.trajectories.noise_fit import FitResult

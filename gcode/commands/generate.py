@@ -6,7 +6,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gcode.commands._numbers import LIMITS, given, number
+from gcode.commands._numbers import LIMITS, number
+from gcode.support.console import given
 
 if TYPE_CHECKING:
     from gcode.programs.make import Made

@@ -21,7 +21,7 @@ import re
 import stat
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, NoReturn, TextIO, cast
 
@@ -134,6 +134,11 @@ def _run(args: argparse.Namespace, words: Sequence[str]) -> int:
         if type(error).__name__ != "ValidationError":
             raise
         return _fail(args.command, first_problem(error))
+
+
+def given(args: argparse.Namespace, names: Iterable[str]) -> dict[str, Any]:
+    """What was said of these options, by the parameter that each sets."""
+    return {name: getattr(args, name) for name in names if getattr(args, name) is not None}
 
 
 def whole(low: int, high: float = float("inf")) -> Callable[[str], int]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from gcode.support.console import whole
+from gcode.support.console import given, whole
 
 natural, count = whole(0), whole(1)  # argparse types
 
@@ -100,7 +100,7 @@ def add_bounds(parser: argparse.ArgumentParser) -> None:
 
 def bounds_of(args: argparse.Namespace) -> dict[str, float]:
     """What `add_bounds` declared, as the public functions take it; what was not said is left out."""
-    return {name: getattr(args, name) for name in BOUNDS if getattr(args, name) is not None}
+    return given(args, BOUNDS)
 
 
 def positive(text: str) -> float:

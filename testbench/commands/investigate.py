@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from gcode.support.console import given
 from testbench.commands._arguments import BOUNDS, add_bounds, add_effects, bounds_of, count, natural, positive, rest
 
 SUMMARY = "run experiments until it is sure what is missing: plan, run, diagnose, design the next motion"
@@ -112,7 +113,7 @@ def _check_resumed(args: argparse.Namespace) -> None:
     """Refuse what would have no effect on an investigation that goes on."""
     from gcode.support.errors import UserError
 
-    said = sorted(name for name in AS_BEGUN if getattr(args, name) is not None)
+    said = sorted(given(args, AS_BEGUN))
     if args.resume and said:
         raise UserError(
             f"{said[0]}: an investigation goes on as it began; with --resume leave it out "

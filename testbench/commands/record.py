@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from gcode.support.console import given
 from testbench.commands._arguments import positive
 
 SUMMARY = "record a campaign from the rig's serial port; --resume continues an interrupted one"
@@ -51,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
     from testbench.campaigns.record import check_as_begun
     from testbench.rig.acquisition.status_words import json_lines, terminal
 
-    said = {name: getattr(args, name) for name in AS_BEGUN if getattr(args, name) is not None}
+    said = given(args, AS_BEGUN)
     report = json_lines() if args.progress_json else terminal(f"record {Path(args.campaign).name}")
     if args.resume:
         check_as_begun(Path(args.campaign), said, args.program)

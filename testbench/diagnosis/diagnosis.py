@@ -93,12 +93,12 @@ def calibration_and_held_out(
 
     What is held out comes after several recordings, and after one where the rest before it was given.
     """
-    if len(recordings) > 1 and held_out is None:
-        raise UserError("several recordings are one history: give another one to judge on as `held_out`")
     between = Between(clamp_play_mm, rest_between(len(recordings), rest_s))
-    calibration, held = split(recordings[0], held_out, between=between)
-    if len(recordings) == 1 or between.rest_s is None or held_out is None:
-        return calibration, held
+    if len(recordings) == 1 or between.rest_s is None:
+        return split(recordings[0], held_out, between=between)
+    if held_out is None:
+        raise UserError("several recordings are one history: give another one to judge on as `held_out`")
+    _, held = split(recordings[0], held_out, between=Between(clamp_play_mm))
     rests_s = [between.rest_s] * len(recordings)
     calibration = joined(recordings, rests_s[1:], clamp_play_mm)
     if calibration.channels != held.channels:

@@ -69,10 +69,10 @@ def as_read(both: Overlay, measurement: Measurement) -> Overlay:
 
     What the specimen went through before is not shown.
     """
-    time_s, begin_s = measurement.grid_s, float(measurement.recording.time_s[0])
+    time_s, first_s = measurement.grid_s, float(measurement.recording.time_s[0])
     hidden = measurement.signals["time_s"] < measurement.begin_s
     for start_s, end_s in measurement.recording.gaps:
-        hidden |= (time_s > start_s - begin_s) & (time_s < end_s - begin_s)
+        hidden |= (time_s > start_s - first_s) & (time_s < end_s - first_s)
     return both.within(~hidden)
 
 

@@ -77,6 +77,29 @@ def record(
     return Recording(t, made, GAUGE_LENGTH_MM, f"sample-{seed}")
 
 
+PULL_S, REST_S = 60.0, 30.0
+
+
+def strokes(t: np.ndarray) -> np.ndarray:
+    """Pulls to 20 % and back in three strokes, with rests at zero."""
+    inside = t % (PULL_S + REST_S)
+    return np.where(inside < PULL_S, 0.2 * np.abs(np.sin(3 * np.pi * inside / PULL_S)), 0.0)
+
+
+def pulls_of(
+    model: KnitModel, count: int, channels: tuple[str, ...] = ("force_N", "resistance_ohm")
+) -> list[Recording]:
+    """One history of a specimen, recorded pull by pull, with `REST_S` between them."""
+    whole = record(model, count * (PULL_S + REST_S), 10.0, 1, channels, strain=strokes)
+    made = []
+    for number in range(count):
+        begin_s = number * (PULL_S + REST_S)
+        rows = (whole.time_s >= begin_s) & (whole.time_s < begin_s + PULL_S)
+        read = {name: values[rows] for name, values in whole.channels.items()}
+        made.append(Recording(whole.time_s[rows] - begin_s, read, GAUGE_LENGTH_MM, f"pull {number + 1}"))
+    return made
+
+
 def own_effect(name: str, body: str = "return {'force_N': force}") -> str:
     """The text of a file with an effect of somebody's own."""
     return OWN_EFFECT.replace("{name}", name).replace("{body}", body)

@@ -217,7 +217,8 @@ def diagnose(
         raise UserError("recording: must be one or more, got none")
     first, held, between = recordings_for(model, given, sources[0], held_out, gauge_length_mm, clamp_play_mm, rest_s)
     more = [recording_of(one, gauge_length_mm, first.gauge_length_mm) for one in sources[1:]]
-    if (rest := rest_between(len(sources), between.rest_s)) is not None:
+    rest = rest_between(len(sources), between.rest_s)
+    if more and rest is not None:  # of one and what is held out, `recordings_for` has asked
         _check_one_history([first, *more, *([] if held is None else [held])], rest)
     with telling(progress) as tell:
         found = core.diagnose([first, *more], held, given, catalogue, tell, most, between.clamp_play_mm, rest)

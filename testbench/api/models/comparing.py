@@ -31,7 +31,7 @@ from testbench.measurements.responses import UNIT_OF
 from testbench.recordings.recording import Recording
 from testbench.report.figures.residual_figures import profile
 from testbench.report.writing.static import draw_on
-from testbench.results.model_file import ModelFile
+from testbench.results.model_file import ModelFile, same_source
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -174,15 +174,18 @@ def compare(
     """
     file = model_file_of(model, catalogue_of(effects))
     given, _, _ = recordings_for(model, file, recording, None, gauge_length_mm)
-    unknown = isinstance(model, KnitModel) and not clamp_play_mm
-    on = Judged(prepare(given), elsewhere=False) if unknown else judged(file, given, clamp_play_mm, _before(file))
+    if isinstance(model, KnitModel) and not clamp_play_mm:
+        on = Judged(prepare(given), elsewhere=False)
+    else:
+        on = judged(file, given, clamp_play_mm, _before(file, given))
     mounted = on.mounted(file.model)
     found = comparing.compare(mounted, on.measurement, free_offset=on.elsewhere)
     return ComparisonResult(found, mounted, on, tuple(on.notes(mounted)))
 
 
-def _before(file: ModelFile) -> Recording | None:
-    """What a model was fitted on, if its held-out recording is of the same specimen and it is still there."""
-    if file.between.rest_s is None or not Path(file.fitted_on).exists():
+def _before(file: ModelFile, recording: Recording) -> Recording | None:
+    """What a model was fitted on, if it is still there, and this held-out recording is of the same specimen."""
+    is_same = file.between.rest_s is not None and same_source(file.held_out, recording.source)
+    if not is_same or not Path(file.fitted_on).exists():
         return None
     return recording_of(file.fitted_on, None, file.gauge_length_mm or None)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 import testbench as tb
@@ -15,33 +14,19 @@ from testbench.knit.mechanics.damage import MullinsSoftening
 from testbench.recordings.between import Between
 from testbench.recordings.recording import Recording
 from testbench.report.overlays import as_read, overlay_of
-from tests.testbench.builders import GAUGE_LENGTH_MM, record, truth, write_csv
-
-PULL_S, REST_S = 60.0, 30.0
-
-
-def strain(t: np.ndarray) -> np.ndarray:
-    """Twice three strokes to 20 %, with a rest at zero between."""
-    inside = t % (PULL_S + REST_S)
-    return np.where(inside < PULL_S, 0.2 * np.abs(np.sin(3 * np.pi * inside / PULL_S)), 0.0)
+from tests.testbench.builders import GAUGE_LENGTH_MM, PULL_S, REST_S, pulls_of, truth, write_csv
 
 
 @pytest.fixture(scope="module")
 def pulls() -> list[Recording]:
     """Two recordings of one specimen, which softens in the first one."""
-    whole = record(truth().plus(MullinsSoftening(softening=0.4)), 2 * PULL_S + REST_S, 10.0, 1, strain=strain)
-    made = []
-    for name, begin_s in (("a.csv", 0.0), ("b.csv", PULL_S + REST_S)):
-        rows = (whole.time_s >= begin_s) & (whole.time_s < begin_s + PULL_S)
-        channels = {channel: values[rows] for channel, values in whole.channels.items()}
-        made.append(Recording(whole.time_s[rows] - begin_s, channels, GAUGE_LENGTH_MM, name))
-    return made
+    return pulls_of(truth().plus(MullinsSoftening(softening=0.4)), 2)
 
 
 @pytest.fixture(scope="module")
 def files(pulls, tmp_path_factory) -> list[str]:
     folder = tmp_path_factory.mktemp("same")
-    return [write_csv(one, folder / one.source) for one in pulls]
+    return [write_csv(one, folder / f"{one.source}.csv") for one in pulls]
 
 
 @pytest.fixture(scope="module")

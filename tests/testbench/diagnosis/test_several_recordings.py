@@ -22,29 +22,17 @@ from testbench.measurements.joining import joined, last_of
 from testbench.recordings.between import Between
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import ModelFile
-from tests.testbench.builders import CATALOGUE, GAUGE_LENGTH_MM, record, truth, write_csv
+from tests.testbench.builders import CATALOGUE, GAUGE_LENGTH_MM, PULL_S, REST_S, pulls_of, record, truth, write_csv
 
 SOFTENS = truth().plus(MullinsSoftening(softening=0.4))
-PULL_S, REST_S = 60.0, 30.0
 SHIFTS_MM = (0.0, 0.3, -0.2, 0.1)
-
-
-def strain(t: np.ndarray) -> np.ndarray:
-    """Pulls to 20 % and back in three strokes, with rests at zero."""
-    inside = t % (PULL_S + REST_S)
-    return np.where(inside < PULL_S, 0.2 * np.abs(np.sin(3 * np.pi * inside / PULL_S)), 0.0)
 
 
 def pulls(count: int) -> list[Recording]:
     """One history, recorded pull by pull, each with its own zero of the displacement."""
-    whole = record(SOFTENS, count * (PULL_S + REST_S), 10.0, 1, ("force_N",), strain=strain)
     made = []
-    for number in range(count):
-        begin = number * (PULL_S + REST_S)
-        rows = (whole.time_s >= begin) & (whole.time_s < begin + PULL_S)
-        channels = {name: values[rows] for name, values in whole.channels.items()}
-        channels["displacement_mm"] = channels["displacement_mm"] - SHIFTS_MM[number]
-        made.append(Recording(whole.time_s[rows] - begin, channels, GAUGE_LENGTH_MM, f"pull {number + 1}"))
+    for one, shift_mm in zip(pulls_of(SOFTENS, count, ("force_N",)), SHIFTS_MM, strict=False):
+        made.append(replace(one, channels={**one.channels, "displacement_mm": one["displacement_mm"] - shift_mm}))
     return made
 
 
