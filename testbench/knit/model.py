@@ -63,7 +63,7 @@ class KnitModel(Unchanging):
 
     @classmethod
     def of(cls, *effects: Effect) -> KnitModel:
-        """Build a model from effects, each put at the end of its stage."""
+        """Build a model from effects, each put where `plus` puts it."""
         model = cls()
         for effect in effects:
             model = model.plus(effect)
@@ -85,10 +85,12 @@ class KnitModel(Unchanging):
             raise UserError(f"the model has no effect {name}; it has {', '.join(self.effects)}") from None
 
     def plus(self, effect: Effect, name: str | None = None) -> KnitModel:
-        """A model with `effect` at the end of its stage; a law takes the place of another of the same mechanism.
+        """A model with `effect` at the end of its stage, a law of the base at the end of those that its stage has.
 
-        So does a law that makes a signal (conductance from the strain) of another that makes it (from contacts). A
-        model knows no recording: of an effect on what was not measured, a fit says that the recording cannot tell.
+        An effect so acts on all that the base does, whichever of them came first. A law takes the place of another of
+        the same mechanism; so does a law that makes a signal (conductance from the strain) of another that makes it
+        (from contacts). A model knows no recording: of an effect on what was not measured, a fit says that the
+        recording cannot tell.
 
         Parameters
         ----------
@@ -116,8 +118,10 @@ class KnitModel(Unchanging):
         if rival:  # what changes the signal comes after what makes it
             there = self.replacing(rival, effect).effects
             return KnitModel({name if key == rival else key: one for key, one in there.items()})
-        items = [*self.effects.items(), (name, effect)]
-        return KnitModel(dict(sorted(items, key=lambda item: item[1].stage)))  # sorted() is stable
+        items = list(self.effects.items())
+        before = (number for number, (_, one) in enumerate(items, 1) if _order(one) <= _order(effect))
+        items.insert(max(before, default=0), (name, effect))
+        return KnitModel(dict(items))
 
     def __add__(self, effect: Effect) -> KnitModel:
         return self.plus(effect)
@@ -337,6 +341,11 @@ def inputs(
 def _makes(law: type[Effect]) -> set[str]:
     """Signals that a law makes from others, and does not merely change."""
     return set() if law.strength else set(law.writes) - set(law.reads)
+
+
+def _order(effect: Effect) -> tuple[int, bool]:
+    """What comes before what in a model: by stage, and in each the laws of the base first."""
+    return effect.stage, not effect.in_base
 
 
 def _exclusive(law: type[Effect]) -> bool:

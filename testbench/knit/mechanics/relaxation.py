@@ -44,7 +44,7 @@ class StressRelaxation(StressRelaxationLaw):
     name = "stress_relaxation"
     look = "in a hold the force sinks, quickly at first; after a release it recovers"
 
-    fraction: float = parameter(0.15, unit="1", low=0, high=0.9, doc="share of the force that is lost in the end")
+    fraction: float = parameter(0.15, unit="1", low=0, high=1, doc="share of the force that is lost in the end")
     # What is quicker shows in no hold: it is a stiffening with the rate.
     tau_s: float = parameter(10.0, unit="s", low=0.5, high=3000, scale="log", doc="time in which 63 % of it is lost")
 
@@ -65,7 +65,7 @@ class StressRelaxationTwoTimes(StressRelaxationLaw):
     name = "stress_relaxation_two_times"
     look = "in a hold the force sinks within seconds, and then on for minutes"
 
-    fraction: float = parameter(0.2, unit="1", low=0, high=0.9, doc="share of the force that is lost in the end")
+    fraction: float = parameter(0.2, unit="1", low=0, high=1, doc="share of the force that is lost in the end")
     fast_s: float = parameter(5.0, unit="s", low=0.1, high=100, scale="log", doc="time of the quick step")
     slow_s: float = parameter(100.0, unit="s", low=10, high=1e4, scale="log", doc="time of the slow step")
     share: float = parameter(0.5, unit="1", low=0, high=1, doc="share of the quick step")
@@ -90,7 +90,7 @@ class StressRelaxationSpectrum(StressRelaxationLaw):
     name = "stress_relaxation_spectrum"
     look = "in a hold the force sinks for decades of time, ever more slowly"
 
-    fraction: float = parameter(0.2, unit="1", low=0, high=0.9, doc="share of the force that is lost in the end")
+    fraction: float = parameter(0.2, unit="1", low=0, high=1, doc="share of the force that is lost in the end")
     shortest_s: float = parameter(1.0, unit="s", low=0.05, high=100, scale="log", doc="shortest relaxation time")
     longest_s: float = parameter(100.0, unit="s", low=1, high=1e5, scale="log", doc="longest relaxation time")
 

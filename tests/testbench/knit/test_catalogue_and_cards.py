@@ -326,7 +326,7 @@ def test_a_bad_model_is_refused_in_one_sentence(change: dict[str, object], compl
 @pytest.mark.parametrize(
     ("name", "parameters", "told"),
     [
-        ("stress_relaxation", {"fraction": 2}, "StressRelaxation.fraction must be a number from 0 to 0.9, got 2"),
+        ("stress_relaxation", {"fraction": 2}, "StressRelaxation.fraction must be a number from 0 to 1, got 2"),
         ("stress_relaxation", {"tau_s": "long"}, "StressRelaxation.tau_s must be a number from .* s, got 'long'"),
         ("stress_relaxation", {"share": 0.2}, "StressRelaxation has no parameter share; it has fraction, tau_s"),
         (
@@ -425,8 +425,8 @@ def test_a_guess_far_out_of_bounds_is_moved_into_them() -> None:
     ("changes", "told"),
     [
         ({"nope": 1}, "StressRelaxation has no parameter nope; it has fraction, tau_s"),
-        ({"fraction": "x"}, "StressRelaxation.fraction must be a number from 0 to 0.9, got 'x'"),
-        ({"fraction": None}, "StressRelaxation.fraction must be a number from 0 to 0.9, got None"),
+        ({"fraction": "x"}, "StressRelaxation.fraction must be a number from 0 to 1, got 'x'"),
+        ({"fraction": None}, "StressRelaxation.fraction must be a number from 0 to 1, got None"),
     ],
 )
 def test_a_guess_that_is_none_is_refused_in_one_sentence(changes: dict[str, object], told: str) -> None:

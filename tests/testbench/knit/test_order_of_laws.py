@@ -1,0 +1,24 @@
+"""Where a law stands in a model does not depend on when it was put in."""
+
+from __future__ import annotations
+
+import pytest
+
+from testbench.fitting.baseline import SHAPES
+from testbench.knit.catalogue import load_catalogue
+from testbench.knit.model import KnitModel
+
+EFFECTS = load_catalogue().effects
+BASE = KnitModel.of(*(EFFECTS[name]() for name in ("elasticity", "hysteresis", "contact", "drift", "force_age")))
+
+
+@pytest.mark.parametrize("name", [name for name, law in EFFECTS.items() if not law.in_base])
+def test_an_effect_acts_on_all_that_the_base_does(name: str) -> None:
+    effect, shapes = EFFECTS[name](), [EFFECTS[shape]() for shape in SHAPES]
+    first, last = BASE.plus(effect), BASE
+    for shape in shapes:
+        first, last = first.plus(shape), last.plus(shape)
+    last = last.plus(effect)
+    assert list(first) == list(last)
+    behind = list(last)[list(last).index(name) + 1 :]
+    assert not any(last[other].in_base and last[other].stage == effect.stage for other in behind)
