@@ -105,6 +105,15 @@ def test_template_keeps_the_rules_and_takes_part_in_a_model(tmp_path: Path) -> N
     assert model_from_dict(model.to_dict(), catalogue).effects == model.effects
 
 
+def test_an_effects_file_may_have_a_dataclass_and_annotations_that_are_read_later(tmp_path: Path) -> None:
+    write_template("my_effect", tmp_path / "mine.py")
+    text = (tmp_path / "mine.py").read_text(encoding="utf-8").partition("import numpy")
+    helper = "from dataclasses import dataclass\n\n\n@dataclass\nclass Helper:\n    size: float\n"
+    lines = ["from __future__ import annotations\n\n", text[1], text[2], helper]
+    (tmp_path / "mine.py").write_text("".join(lines), encoding="utf-8")
+    assert check(load_catalogue(tmp_path / "mine.py")["my_effect"]()) == []
+
+
 @pytest.mark.parametrize("name", ["My", "two words", "class", "1st", ""])
 def test_template_needs_a_usable_name(name: str, tmp_path: Path) -> None:
     with pytest.raises(UserError, match="must be like my_effect"):
