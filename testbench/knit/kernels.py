@@ -1,7 +1,6 @@
 """Operators with a memory of where a signal has been, compiled: play, stop, Bouc-Wen, maxima, travel and turns.
 
-They depend on no rate. Each walks once through the samples, which NumPy cannot do; numba makes them 100 times
-faster than Python.
+They depend on no rate. Each walks once through the samples; numba makes that 100 times faster than Python.
 """
 
 from __future__ import annotations

@@ -8,6 +8,7 @@ import runpy
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from gcode.support.errors import UserError
@@ -299,6 +300,16 @@ def test_a_broken_plug_in_is_listed_and_stops_nothing(monkeypatch: pytest.Monkey
     assert catalogue.broken == {"their_effect": "ImportError: their library is missing"}
     assert "broken: their_effect: ImportError: their library is missing" in catalogue_text(catalogue)
     assert "contact" in catalogue.effects
+
+
+def test_a_motion_may_be_a_column_that_nobody_may_write_to() -> None:
+    """As pandas gives them, counted from any row and any time."""
+    time_s = np.arange(100) * 0.05
+    strain = 0.1 - 0.1 * np.cos(time_s)
+    plain = preset("pes").simulate(inputs(time_s, strain), 0.05)
+    frame = pd.DataFrame({"time_s": time_s + 7.0, "strain": strain}, index=range(5, 105))
+    told = preset("pes").simulate(inputs(frame.time_s, frame.strain), 0.05)
+    np.testing.assert_allclose(told["conductance_S"], plain["conductance_S"], rtol=1e-12)
 
 
 def test_a_sensor_whose_conductance_falls_needs_no_force() -> None:
