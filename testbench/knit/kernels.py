@@ -51,15 +51,9 @@ def moves(x: FloatArray, step: float) -> FloatArray:
     return out
 
 
-@njit("float64[:](float64[:])", cache=True, nogil=True)
 def running_max(x: FloatArray) -> FloatArray:
     """Largest value so far, shape (n,)."""
-    out = np.empty_like(x)
-    top = x[0]
-    for i in range(len(x)):
-        top = max(top, x[i])
-        out[i] = top
-    return out
+    return np.maximum.accumulate(x)
 
 
 @njit("float64(float64, float64, float64)", cache=True, nogil=True)

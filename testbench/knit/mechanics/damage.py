@@ -48,10 +48,8 @@ class MullinsSoftening(MullinsLaw):
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
         from scipy.special import erf
 
-        from testbench.knit.kernels import running_max
-
         energy = 0.5 * signals["strain"] ** 2
-        top = running_max(energy)
+        top = np.maximum.accumulate(energy)
         lost = erf((top - energy) / (self.width + 0.5 * top))
         return 1 - self.softening * lost
 
@@ -74,9 +72,7 @@ class MullinsSofteningPower(MullinsLaw):
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain at which the loss is counted")
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
-        from testbench.knit.kernels import running_max
-
-        strain, top = signals["strain"], running_max(signals["strain"])
+        strain, top = signals["strain"], np.maximum.accumulate(signals["strain"])
         lost = lost_below(strain, np.maximum(top, 1e-6), self.span, self.power, self.growth)
         lost[strain >= top] = 0.0  # never stretched farther, however little that is
         return 1 - self.softening * lost
@@ -98,9 +94,7 @@ class MullinsSofteningDamage(MullinsLaw):
     scale: float = parameter(0.2, unit="1", low=0.005, high=3, scale="log", doc="strain at which 63 % is lost")
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
-        from testbench.knit.kernels import running_max
-
-        top = np.maximum(running_max(signals["strain"]), 0.0)
+        top = np.maximum(np.maximum.accumulate(signals["strain"]), 0.0)
         damage = -np.expm1(-(top - top[0]) / self.scale) * np.exp(-top[0] / self.scale)
         return 1 - self.softening * damage
 
@@ -122,9 +116,7 @@ class MullinsSofteningCurve(MullinsLaw):
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain at which the loss is counted")
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
-        from testbench.knit.kernels import running_max
-
-        top = np.maximum(running_max(signals["strain"]), 1e-6)
+        top = np.maximum(np.maximum.accumulate(signals["strain"]), 1e-6)
         below = 1 - np.clip(signals["strain"] / top, 0.0, 1.0)
         softer = curve(below, 0.0, 1.0, self.weights) - curve(np.zeros(1), 0.0, 1.0, self.weights)
         return factor_of(top / self.span * softer)
@@ -238,7 +230,7 @@ class CyclicFatigueLog(FatigueLaw):
         return np.maximum(1 - self.per_decade * decades, 0.0)
 
 
-class CyclicFatigueWeibull(LevellingOff):
+class CyclicFatigueWeibull(CyclicFatigue):
     """The knit loses force with the strain path: at once and ever more slowly, or late and then quickly.
 
     F *= 1 - loss * (1 - exp(-(path / scale)^shape)),   path = integral of |de|, 0.004 less at each turn
@@ -252,9 +244,6 @@ class CyclicFatigueWeibull(LevellingOff):
     name = "cyclic_fatigue_weibull"
     look = "the peaks of the force sink from cycle to cycle, early or late, not in a hold"
 
-    scale: float = parameter(
-        5.0, unit="1", low=0.1, high=1e5, scale="log", doc="strain path after which 63 % of it is lost"
-    )
     shape: float = parameter(0.6, unit="1", low=0.2, high=4, scale="log", doc="below 1: early; above 1: late")
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
