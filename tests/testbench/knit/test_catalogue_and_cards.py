@@ -202,6 +202,8 @@ def test_an_effect_that_would_end_the_program_does_not(tmp_path: Path) -> None:
         ("parameter(0.1, unit", "parameter(9.0, unit", "Bad.gain must be a number from 0 to 1, got 9"),
         ('parameter(0.1, unit="1", low=0, high=1, doc="gain")', "0.1", "amiss: gain$"),
         ("    gain: float", "    near: float", "amiss: near$"),
+        ("    gain: float", "    gain: int", "amiss: gain$"),
+        ("    gain: float", "    gain: str", "amiss: gain$"),
         ('strength = "gain"', 'optional_reads = ("temperature_C")', "amiss: optional_reads$"),
         ("low=0", "low=2", "finite bounds, low < high.* got scale='linear', low=2, high=1"),
         ("low=0", 'low=0, scale="log"', "above 0 with"),
