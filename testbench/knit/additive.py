@@ -1,4 +1,4 @@
-"""Laws that add to one signal what they compute from others; while those stay the same, it is not computed again."""
+"""Laws that change one signal by what they compute from others; while those stay, it is not computed again."""
 
 from __future__ import annotations
 
@@ -39,6 +39,13 @@ class ForceLaw(AdditiveLaw):
 
     def put(self, signals: Signals, change: FloatArray) -> dict[str, FloatArray]:
         return {"force_N": signals["force_N"] + change}
+
+
+class ForceFactor(ForceLaw):
+    """Base of the laws of the form ``F *= change``."""
+
+    def put(self, signals: Signals, change: FloatArray) -> dict[str, FloatArray]:
+        return {"force_N": signals["force_N"] * change}
 
 
 class ConductanceLaw(AdditiveLaw):

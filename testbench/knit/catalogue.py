@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import importlib
 import importlib.util
+import sys
 from collections import Counter
 from dataclasses import dataclass, field
 from importlib.metadata import entry_points
@@ -252,6 +253,7 @@ def _effects_in_file(path: Path) -> dict[str, type[Effect]]:
     if spec is None or spec.loader is None:
         raise UserError(f"{path}: an effects file is Python; its name must end in .py")
     module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # where a dataclass looks up what its annotations mean
     try:
         spec.loader.exec_module(module)
     except KeyboardInterrupt:
@@ -260,6 +262,8 @@ def _effects_in_file(path: Path) -> dict[str, type[Effect]]:
         raise UserError(
             f"{path}: cannot be loaded: {type(error).__name__}: {str(error).partition(chr(10))[0]}"
         ) from error
+    finally:
+        sys.modules.pop(spec.name, None)
     found: dict[str, type[Effect]] = {}
     for value in vars(module).values():
         if not (isinstance(value, type) and issubclass(value, Effect) and value.__module__ == spec.name):

@@ -29,7 +29,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from enum import IntEnum
-from typing import Any, ClassVar, NoReturn
+from typing import Any, ClassVar, NoReturn, get_origin
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -183,10 +183,7 @@ class Effect(BaseModel):
         kinds = {"stage": Stage, **dict.fromkeys(lists, tuple), **dict.fromkeys(("strength", "look"), str)}
         said = [name for name, kind in kinds.items() if not isinstance(getattr(cls, name, None), kind)]
         fields = cls.model_fields.items()
-        said += [
-            key for key, field in fields if hasattr(Effect, key) or not isinstance(field.json_schema_extra, dict)
-        ]
-        cls.undeclared = tuple(said)
+        cls.undeclared = (*said, *(key for key, field in fields if hasattr(Effect, key) or not _is_parameter(field)))
 
     def __init__(self, *unnamed: Any, **parameters: Any) -> None:
         """Raise `UserError` where a parameter is unknown or unnamed, or a value is no number or out of its bounds.
@@ -197,8 +194,9 @@ class Effect(BaseModel):
         if self.undeclared:
             raise UserError(
                 f"{type(self).__name__}: the class must declare its stage (a testbench.Stage), what it reads and "
-                "writes and whatever else has several names (tuples), and its parameters (each by "
-                f"testbench.parameter, under a name that Effect does not use); amiss: {', '.join(self.undeclared)}"
+                "writes and whatever else has several names (tuples), and its parameters (each a float or a "
+                "tuple[float, ...], by testbench.parameter, under a name that Effect does not use); amiss: "
+                + ", ".join(self.undeclared)
             )
         try:
             super().__init__(**parameters)
@@ -291,6 +289,12 @@ class Effect(BaseModel):
             return value  # which `replaced` refuses
         extra = bounds_of(type(self).model_fields[key])
         return min(max(float(value), extra["low"]), extra["high"])
+
+
+def _is_parameter(field: FieldInfo) -> bool:
+    """Whether a field is declared by `parameter`, as a number or as a vector of numbers: no fit can take others."""
+    kind = tuple if isinstance(field.default, tuple) else float
+    return isinstance(field.json_schema_extra, dict) and (get_origin(field.annotation) or field.annotation) is kind
 
 
 def _refusal(effect: type[Effect], error: ValidationError) -> str:

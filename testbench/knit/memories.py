@@ -187,7 +187,7 @@ def last_top(x: FloatArray, back: float) -> FloatArray:
 
 def largest(x: FloatArray) -> FloatArray:
     """Largest value so far."""
-    return running_max(np.ascontiguousarray(x))
+    return running_max(x)
 
 
 def path(x: FloatArray, span: float) -> FloatArray:

@@ -328,14 +328,11 @@ def inputs(
 
     ``strain`` starts as the nominal strain; kinematic effects change it.
     """
-    signals = {
-        "time_s": np.asarray(time_s - time_s[0], dtype=np.float64),
-        "strain_nominal": np.asarray(strain_nominal, dtype=np.float64),
-        "strain": np.asarray(strain_nominal, dtype=np.float64),
-    }
-    if temperature_C is not None:
-        signals["temperature_C"] = np.asarray(temperature_C, dtype=np.float64)
-    return signals
+    given = {"time_s": time_s, "strain_nominal": strain_nominal, "temperature_C": temperature_C}
+    # A column of pandas is read-only, which compiled laws do not take.
+    signals = {name: np.require(x, np.float64, ["C", "W"]) for name, x in given.items() if x is not None}
+    signals["time_s"] = signals["time_s"] - signals["time_s"][0]
+    return {**signals, "strain": signals["strain_nominal"]}
 
 
 def _makes(law: type[Effect]) -> set[str]:

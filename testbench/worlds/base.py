@@ -32,7 +32,7 @@ class Law:
 
 @dataclass(frozen=True)
 class BaseWorld:
-    """The four laws. ``force(t, e)`` and ``ln_conductance(t, e, pressing)`` are all that the chain needs."""
+    """The four laws: all that the chain needs."""
 
     name: str
     elasticity: Law

@@ -13,6 +13,10 @@ from testbench.knit.filters import highpass, log_conductance, lowpass, memory, m
 SPOTS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)  # quicker is an overshoot
 
 
+def _share_lost(of: str) -> float:
+    return parameter(0.3, unit="1", low=-3, high=0.95, doc=f"share of {of} that is lost; below 0: that is gained")
+
+
 class ContactRelaxationLaw(Effect):
     """Base of the laws of a pressing force that changes while the knit's force holds."""
 
@@ -44,9 +48,7 @@ class ContactRelaxation(ContactRelaxationLaw):
     name = "contact_relaxation"
     look = "in a hold the conductance sinks while the force does not"
 
-    fraction: float = parameter(
-        0.3, unit="1", low=-3, high=0.95, doc="share of the contact force that is lost; below 0: that is gained"
-    )
+    fraction: float = _share_lost("the contact force")
     # Quicker than this it is an overshoot.
     tau_s: float = parameter(20.0, unit="s", low=1, high=3000, scale="log", doc="time in which 63 % of it is lost")
 
@@ -67,9 +69,7 @@ class ContactRelaxationSpectrum(ContactRelaxationLaw):
     name = "contact_relaxation_spectrum"
     look = "in a hold the conductance sinks ever more slowly while the force does not"
 
-    fraction: float = parameter(
-        0.3, unit="1", low=-3, high=0.95, doc="share of the contact force that is lost; below 0: that is gained"
-    )
+    fraction: float = _share_lost("the contact force")
     shortest_s: float = parameter(1.0, unit="s", low=0.05, high=100, scale="log", doc="shortest relaxation time")
     longest_s: float = parameter(100.0, unit="s", low=1, high=1e5, scale="log", doc="longest relaxation time")
 
@@ -147,9 +147,7 @@ class ContactRelaxationSpots(SpotsLaw):
     strength = "fraction"
     look = "after every move part of the change of conductance comes back over seconds to minutes"
 
-    fraction: float = parameter(
-        0.3, unit="1", low=-3, high=0.95, doc="share of the change of ln G that is lost; below 0: that is gained"
-    )
+    fraction: float = _share_lost("the change of ln G")
     shortest_s: float = parameter(6.0, unit="s", low=3, high=100, scale="log", doc="shortest relaxation time")
     longest_s: float = parameter(300.0, unit="s", low=30, high=1e5, scale="log", doc="longest relaxation time")
 
@@ -172,9 +170,7 @@ class ContactRelaxationActivated(SpotsLaw):
     strength = "fraction"
     look = "after every move part of the change of conductance comes back, quickly where the knit is stretched"
 
-    fraction: float = parameter(
-        0.3, unit="1", low=-3, high=0.95, doc="share of the change of ln G that is lost; below 0: that is gained"
-    )
+    fraction: float = _share_lost("the change of ln G")
     tau_s: float = parameter(60.0, unit="s", low=3, high=3000, scale="log", doc="relaxation time without stretch")
     activation: float = parameter(1.0, unit="1", low=0, high=5, doc="e-folds by which it is shorter at `span`")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="largest strain")

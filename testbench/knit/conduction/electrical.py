@@ -217,9 +217,7 @@ class CoatingCracksWeibull(CracksLaw):
     shape: float = parameter(2.0, unit="1", low=0.3, high=12, scale="log", doc="how alike they are")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        from testbench.knit.kernels import running_max
-
-        cracked = weibull(running_max(signals["strain"]), self.scale, self.shape)
+        cracked = weibull(np.maximum.accumulate(signals["strain"]), self.scale, self.shape)
         return -self.loss * (cracked - cracked[0])
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
@@ -244,9 +242,7 @@ class CoatingCracks(CracksLaw):
     loss: float = parameter(0.5, unit="1", low=0, high=20, doc="fall of ln G per unit of largest strain")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        from testbench.knit.kernels import running_max
-
-        top = running_max(signals["strain"])
+        top = np.maximum.accumulate(signals["strain"])
         return -self.loss * (top - top[0])
 
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit.additive import ConductanceLaw
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.additive import ConductanceLaw, ForceFactor
+from testbench.knit.effect import Effect, FloatArray, Signals, parameter
 from testbench.knit.filters import lowpass
 
 WANDER_STEPS = 21
@@ -42,7 +42,21 @@ class SelfHeatingLaw(ConductanceLaw):
     strength = "coefficient"
 
 
-class SelfHeating(SelfHeatingLaw):
+class OneMass(SelfHeatingLaw):
+    """Base of the laws of a sensor that warms as one mass: ln G += coefficient * y,   tau y' = power - y."""
+
+    coefficient: float = _coefficient("starting")
+    tau_s: float = parameter(60.0, unit="s", low=1, high=3000, scale="log", doc="thermal time constant")
+
+    def power(self, conductance_S: FloatArray) -> FloatArray:
+        """Heat in the sensor, over that at the coefficient, shape (n,)."""
+        raise NotImplementedError
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        return self.coefficient * lowpass(self.power(signals["conductance_S"]), self.tau_s, dt_s, start=0.0)
+
+
+class SelfHeating(OneMass):
     """The measuring current warms the sensor; at constant voltage the more, the better it conducts.
 
     ln G += coefficient * y,   tau y' = G / G(0) - y,   y(0) = 0: cold when switched on
@@ -54,13 +68,8 @@ class SelfHeating(SelfHeatingLaw):
     name = "self_heating"
     look = "conductance drifts after switching on and after each change of the mean stretch"
 
-    coefficient: float = _coefficient("starting")
-    tau_s: float = parameter(60.0, unit="s", low=1, high=3000, scale="log", doc="thermal time constant")
-
-    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        conductance = signals["conductance_S"]
-        warmth = lowpass(conductance / conductance[0], self.tau_s, dt_s, start=0.0)
-        return self.coefficient * warmth
+    def power(self, conductance_S: FloatArray) -> FloatArray:
+        return conductance_S / conductance_S[0]
 
 
 class SelfHeatingTwoMasses(SelfHeatingLaw):
@@ -118,7 +127,7 @@ class SelfHeatingProny(SelfHeatingLaw):
         return sum(warmth, np.zeros_like(power))
 
 
-class SelfHeatingCurrent(SelfHeatingLaw):
+class SelfHeatingCurrent(OneMass):
     """The measuring current warms the sensor; at constant current the more, the worse it conducts.
 
     ln G += coefficient * y,   tau y' = G(0) / G - y,   y(0) = 0: cold when switched on
@@ -130,16 +139,11 @@ class SelfHeatingCurrent(SelfHeatingLaw):
     name = "self_heating_current"
     look = "conductance drifts after switching on and after each change of the mean stretch"
 
-    coefficient: float = _coefficient("starting")
-    tau_s: float = parameter(60.0, unit="s", low=1, high=3000, scale="log", doc="thermal time constant")
-
-    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        conductance = signals["conductance_S"]
-        warmth = lowpass(conductance[0] / conductance, self.tau_s, dt_s, start=0.0)
-        return self.coefficient * warmth
+    def power(self, conductance_S: FloatArray) -> FloatArray:
+        return conductance_S[0] / conductance_S
 
 
-class SelfHeatingDivider(SelfHeatingLaw):
+class SelfHeatingDivider(OneMass):
     """The measuring current warms the sensor of a voltage divider: most where it matches the fixed resistor.
 
     ln G += coefficient * y,   tau y' = 4 q / (1 + q)^2 - y,   q = match * G(0) / G,   y(0) = 0
@@ -152,14 +156,11 @@ class SelfHeatingDivider(SelfHeatingLaw):
     look = "conductance drifts after switching on and after each change of the mean stretch, up or down"
 
     coefficient: float = _coefficient("largest")
-    tau_s: float = parameter(60.0, unit="s", low=1, high=3000, scale="log", doc="thermal time constant")
     match: float = parameter(1.0, unit="1", low=0.02, high=50, scale="log", doc="R(0) / R_d")
 
-    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        conductance = signals["conductance_S"]
-        ratio = self.match * conductance[0] / conductance
-        warmth = lowpass(4 * ratio / (1 + ratio) ** 2, self.tau_s, dt_s, start=0.0)
-        return self.coefficient * warmth
+    def power(self, conductance_S: FloatArray) -> FloatArray:
+        ratio = self.match * conductance_S[0] / conductance_S
+        return 4 * ratio / (1 + ratio) ** 2
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         conductance, end_s = signals["conductance_S"], float(signals["time_s"][-1])
@@ -252,7 +253,14 @@ class TemperatureDriftWander(RoomLaw):
         return _wander(signals["time_s"], self.weights, dt_s)
 
 
-class ThermalSoftening(Effect):
+class SofteningLaw(ForceFactor):
+    """Base of the laws of a force that follows the temperature of the room."""
+
+    mechanism = "temperature_drift"
+    reads = ("time_s", "force_N")
+
+
+class ThermalSoftening(SofteningLaw):
     """Warm yarn is softer: the force follows the temperature of the room.
 
     F *= max(1 - softening * (T - T(0)), 0)        T: measured `temperature_C`, followed with the lag `lag_s`
@@ -263,11 +271,7 @@ class ThermalSoftening(Effect):
     """
 
     name = "thermal_softening"
-    mechanism = "temperature_drift"
-    stage = Stage.MECHANICS
-    reads, writes = ("time_s", "force_N"), ("force_N",)
     optional_reads = ("temperature_C",)
-    pointwise = ("force_N",)
     strength = "softening_per_K"
     per_recording = ("phase_rad",)
     look = "force sinks when the room warms"
@@ -280,12 +284,12 @@ class ThermalSoftening(Effect):
     def of_one_recording(self, signals: Signals) -> tuple[str, ...]:
         return _of_an_unmeasured_room(self, signals)
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
         warmer_K = _room_K(signals, self.lag_s, self.period_s, self.phase_rad, dt_s)
-        return {"force_N": signals["force_N"] * np.maximum(1 - self.softening_per_K * warmer_K, 0.0)}
+        return np.maximum(1 - self.softening_per_K * warmer_K, 0.0)
 
 
-class ThermalSofteningWander(Effect):
+class ThermalSofteningWander(SofteningLaw):
     """Warm yarn is softer, and the room's temperature wanders unmeasured, in its own way in each recording.
 
     F *= exp( sum_j (w_1 + ... + w_j) B_j(t / duration) )
@@ -295,10 +299,6 @@ class ThermalSofteningWander(Effect):
     """
 
     name = "thermal_softening_wander"
-    mechanism = "temperature_drift"
-    stage = Stage.MECHANICS
-    reads, writes = ("time_s", "force_N"), ("force_N",)
-    pointwise = ("force_N",)
     strength = "weights"
     per_recording = ("weights",)
     look = "the knit is now softer, now stiffer, differently in every recording, whatever the motion"
@@ -307,8 +307,8 @@ class ThermalSofteningWander(Effect):
         (0.0,) * WANDER_STEPS, unit="1", low=-2, high=2, typical=0.0025, doc="change of ln F in each step of time"
     )
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"force_N": signals["force_N"] * np.exp(_wander(signals["time_s"], self.weights, dt_s))}
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
+        return np.exp(_wander(signals["time_s"], self.weights, dt_s))
 
 
 def _of_an_unmeasured_room(effect: Effect, signals: Signals) -> tuple[str, ...]:

@@ -24,6 +24,8 @@ class PiezoresistiveLaw(Effect):
     stage = Stage.CONTACT
     reads, writes = ("strain",), ("conductance_S",)
 
+    rest_ohm: float = parameter(1e5, unit="ohm", low=1e-3, high=1e12, scale="log", doc="resistance at zero strain")
+
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         """Resistance at rest, from the measured conductance at the smallest strains."""
         if "conductance_S" not in signals:
@@ -48,7 +50,6 @@ class Piezoresistance(PiezoresistiveLaw):
     name = "piezoresistance"
     look = "conductance falls with stretch, the same percentage for each further percent"
 
-    rest_ohm: float = parameter(1e5, unit="ohm", low=1e-3, high=1e12, scale="log", doc="resistance at zero strain")
     gauge: float = parameter(3.0, unit="1", low=-50, high=200, doc="gauge factor at zero strain")
     bend: float = parameter(0.0, unit="1", low=-200, high=500, doc="curvature of ln R over strain")
 
@@ -123,7 +124,6 @@ class PiezoresistanceTunnelling(PiezoresistiveLaw):
     name = "piezoresistance_tunnelling"
     look = "conductance falls exponentially with stretch"
 
-    rest_ohm: float = parameter(1e5, unit="ohm", low=1e-3, high=1e12, scale="log", doc="resistance at zero strain")
     barrier: float = parameter(3.0, unit="1", low=0, high=200, doc="gap at rest over the tunnelling length")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
@@ -144,7 +144,6 @@ class PiezoresistancePercolation(PiezoresistiveLaw):
     name = "piezoresistance_percolation"
     look = "conductance falls faster and faster and is nearly gone at a certain stretch"
 
-    rest_ohm: float = parameter(1e5, unit="ohm", low=1e-3, high=1e12, scale="log", doc="resistance at zero strain")
     limit: float = parameter(0.8, unit="1", low=0.05, high=20, scale="log", doc="strain where the network breaks")
     exponent: float = parameter(2.0, unit="1", low=0.5, high=5, doc="critical exponent of the conductivity")
     leak_S: float = parameter(1e-9, unit="S", low=1e-15, high=1, scale="log", doc="conductance that remains")

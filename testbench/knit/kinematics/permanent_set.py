@@ -50,9 +50,7 @@ class PermanentSet(PermanentSetLaw):
     tau_s: float = parameter(1.0, unit="s", low=0.01, high=5000, scale="log", doc="how slowly the set follows")
 
     def added(self, signals: Signals, dt_s: float) -> FloatArray:
-        from testbench.knit.kernels import running_max
-
-        followed = running_max(lowpass(signals["strain"], self.tau_s, dt_s))
+        followed = np.maximum.accumulate(lowpass(signals["strain"], self.tau_s, dt_s))
         return self.fraction * (followed - followed[0])
 
     def points(self, top: float) -> list[dict[str, Any]]:
@@ -80,9 +78,7 @@ class PermanentSetYield(PermanentSetLaw):
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain over which the power is counted")
 
     def added(self, signals: Signals, dt_s: float) -> FloatArray:
-        from testbench.knit.kernels import running_max
-
-        beyond = np.maximum(running_max(signals["strain"]) - self.limit, 0.0) / self.span
+        beyond = np.maximum(np.maximum.accumulate(signals["strain"]) - self.limit, 0.0) / self.span
         grown = beyond**self.power
         return self.fraction * self.span * (grown - grown[0])
 

@@ -59,9 +59,7 @@ class ClampSlip(ClampSlipLaw):
     step: float = parameter(0.04, unit="1", low=0.005, high=0.5, scale="log", doc="strain between two slips")
 
     def slipped(self, signals: Signals, dt_s: float) -> FloatArray:
-        from testbench.knit.kernels import running_max
-
-        steps = np.floor((running_max(signals["strain"]) - self.limit) / self.step + 1)
+        steps = np.floor((np.maximum.accumulate(signals["strain"]) - self.limit) / self.step + 1)
         slips = np.maximum(steps, 0.0)
         return self.fraction * self.step * (slips - slips[0])
 

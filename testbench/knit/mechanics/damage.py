@@ -6,18 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.additive import ForceFactor
+from testbench.knit.effect import FloatArray, Signals, parameter
 from testbench.knit.filters import DEAD_BAND_STRAIN, factor_of
 from testbench.knit.shapes.curves import LAW_TERMS, curve
 
 
-class MullinsLaw(Effect):
+class MullinsLaw(ForceFactor):
     """Base of the laws of Mullins softening: a knit softer than a virgin one."""
 
     mechanism = "mullins_softening"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
-    pointwise = ("force_N",)
     strength = "softening"
 
 
@@ -47,15 +45,13 @@ class MullinsSoftening(MullinsLaw):
         0.01, unit="1", low=1e-5, high=1, scale="log", doc="drop of e^2/2 over which the softening sets in"
     )
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
         from scipy.special import erf
 
-        from testbench.knit.kernels import running_max
-
         energy = 0.5 * signals["strain"] ** 2
-        top = running_max(energy)
+        top = np.maximum.accumulate(energy)
         lost = erf((top - energy) / (self.width + 0.5 * top))
-        return {"force_N": signals["force_N"] * (1 - self.softening * lost)}
+        return 1 - self.softening * lost
 
 
 class MullinsSofteningPower(MullinsLaw):
@@ -75,13 +71,11 @@ class MullinsSofteningPower(MullinsLaw):
     power: float = parameter(1.5, unit="1", low=0.3, high=8, scale="log", doc="how late the force comes back")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain at which the loss is counted")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        from testbench.knit.kernels import running_max
-
-        strain, top = signals["strain"], running_max(signals["strain"])
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
+        strain, top = signals["strain"], np.maximum.accumulate(signals["strain"])
         lost = lost_below(strain, np.maximum(top, 1e-6), self.span, self.power, self.growth)
         lost[strain >= top] = 0.0  # never stretched farther, however little that is
-        return {"force_N": signals["force_N"] * (1 - self.softening * lost)}
+        return 1 - self.softening * lost
 
 
 class MullinsSofteningDamage(MullinsLaw):
@@ -99,12 +93,10 @@ class MullinsSofteningDamage(MullinsLaw):
     softening: float = parameter(0.2, unit="1", low=0, high=0.9, doc="share of the force lost in the end")
     scale: float = parameter(0.2, unit="1", low=0.005, high=3, scale="log", doc="strain at which 63 % is lost")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        from testbench.knit.kernels import running_max
-
-        top = np.maximum(running_max(signals["strain"]), 0.0)
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
+        top = np.maximum(np.maximum.accumulate(signals["strain"]), 0.0)
         damage = -np.expm1(-(top - top[0]) / self.scale) * np.exp(-top[0] / self.scale)
-        return {"force_N": signals["force_N"] * (1 - self.softening * damage)}
+        return 1 - self.softening * damage
 
 
 class MullinsSofteningCurve(MullinsLaw):
@@ -123,13 +115,11 @@ class MullinsSofteningCurve(MullinsLaw):
     weights: tuple[float, ...] = parameter((0.0,) * LAW_TERMS, unit="1", low=-3, high=3, doc="weights of the curve")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain at which the loss is counted")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        from testbench.knit.kernels import running_max
-
-        top = np.maximum(running_max(signals["strain"]), 1e-6)
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
+        top = np.maximum(np.maximum.accumulate(signals["strain"]), 1e-6)
         below = 1 - np.clip(signals["strain"] / top, 0.0, 1.0)
         softer = curve(below, 0.0, 1.0, self.weights) - curve(np.zeros(1), 0.0, 1.0, self.weights)
-        return {"force_N": signals["force_N"] * factor_of(top / self.span * softer)}
+        return factor_of(top / self.span * softer)
 
 
 class MullinsSofteningHealing(MullinsLaw):
@@ -151,14 +141,14 @@ class MullinsSofteningHealing(MullinsLaw):
     power: float = parameter(1.5, unit="1", low=0.3, high=8, scale="log", doc="how late the force comes back")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain at which the loss is counted")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
         from testbench.knit.memories import two_way_lag
 
         strain = np.ascontiguousarray(signals["strain"])
         remembered = np.maximum(two_way_lag(strain, 0.0, self.heal_s, dt_s), strain)
         top = np.maximum(remembered, 1e-6)
         lost = lost_below(strain, top, self.span, self.power)
-        return {"force_N": signals["force_N"] * (1 - self.softening * lost)}
+        return 1 - self.softening * lost
 
 
 def cycled_strain(signals: Signals) -> FloatArray:
@@ -179,13 +169,10 @@ def weibull_points(path: FloatArray) -> list[dict[str, Any]]:
     return [{"scale": share * whole, "shape": shape} for share in (0.2, 1.0, 5.0) for shape in (0.4, 0.7, 1.5, 3.0)]
 
 
-class FatigueLaw(Effect):
+class FatigueLaw(ForceFactor):
     """Base of the laws of fatigue: force lost with the strain path."""
 
     mechanism = "cyclic_fatigue"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
-    pointwise = ("force_N",)
     strength = "loss"
 
 
@@ -198,8 +185,8 @@ class LevellingOff(FatigueLaw):
         """Share of the loss that has come so far, shape (n,)."""
         raise NotImplementedError
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"force_N": signals["force_N"] * (1 - self.loss * self.tired(signals))}
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
+        return 1 - self.loss * self.tired(signals)
 
 
 class CyclicFatigue(LevellingOff):
@@ -238,12 +225,12 @@ class CyclicFatigueLog(FatigueLaw):
     per_decade: float = parameter(0.05, unit="1", low=0, high=0.3, doc="share of force lost per decade of path")
     scale: float = parameter(1.0, unit="1", low=0.01, high=1e3, scale="log", doc="strain path where it sets in")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
         decades = np.log1p(cycled_strain(signals) / self.scale) / np.log(10)
-        return {"force_N": signals["force_N"] * np.maximum(1 - self.per_decade * decades, 0.0)}
+        return np.maximum(1 - self.per_decade * decades, 0.0)
 
 
-class CyclicFatigueWeibull(LevellingOff):
+class CyclicFatigueWeibull(CyclicFatigue):
     """The knit loses force with the strain path: at once and ever more slowly, or late and then quickly.
 
     F *= 1 - loss * (1 - exp(-(path / scale)^shape)),   path = integral of |de|, 0.004 less at each turn
@@ -257,9 +244,6 @@ class CyclicFatigueWeibull(LevellingOff):
     name = "cyclic_fatigue_weibull"
     look = "the peaks of the force sink from cycle to cycle, early or late, not in a hold"
 
-    scale: float = parameter(
-        5.0, unit="1", low=0.1, high=1e5, scale="log", doc="strain path after which 63 % of it is lost"
-    )
     shape: float = parameter(0.6, unit="1", low=0.2, high=4, scale="log", doc="below 1: early; above 1: late")
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of, parameter
 
 LEVELS = 50  # of the strain that count alike where a law is drawn to data
 NEAREST = 0.98  # to the end of its chains, where a law that locks is still looked at
@@ -52,13 +52,19 @@ class ElasticLaw(Effect):
         ----------
         e, force_N, weight : ndarray, shape (n,)
         """
+        bounds = [bounds_of(type(self).model_fields[key]) for key in self.linear]
+        low, high = (np.array([one[side] for one in bounds]) for side in ("low", "high"))
         best, least = self, np.inf
         for bend in self.bends:
             law: Any = self.near(**bend)
             columns = np.stack(law.curves(e), axis=1)
-            weighted = columns * np.sqrt(weight)[:, None]
+            weighted, wanted = columns * np.sqrt(weight)[:, None], force_N * np.sqrt(weight)
             size = np.maximum(np.linalg.norm(weighted, axis=0), 1e-300)
-            found = np.linalg.lstsq(weighted / size, force_N * np.sqrt(weight), rcond=1e-12)[0] / size
+            found = np.linalg.lstsq(weighted / size, wanted, rcond=1e-12)[0] / size
+            if np.any((found < low) | (found > high)):  # where one coefficient has to stop, the others make up for it
+                from scipy.optimize import lsq_linear
+
+                found = lsq_linear(weighted / size, wanted, (low * size, high * size), method="bvls").x / size
             misfit = float(np.average((force_N - columns @ found) ** 2, weights=weight))
             if misfit < least:
                 coefficients = zip(self.linear, found, strict=True)

@@ -115,8 +115,9 @@ class HysteresisBoucWen(PressedFriction):
     F += friction * (1 - pressed + pressed * max(F, 0) / tension) * z
     dz/de = (1 - |z|^exponent ((1 - skew) sgn(z de) + skew)) / threshold
 
-    With exponent 1, `skew` 0 is Dahl's friction; `skew` 1 makes unloading elastic. The larger the exponent, the
-    sharper the corner between sticking and slipping.
+    With exponent 1, `skew` 0 is Dahl's friction. The way back from full slip begins with 2 (1 - skew) times the slope
+    at rest: at 1/2 it is straight, towards 1 hardly any loop is left. The larger the exponent, the sharper the corner
+    between sticking and slipping.
 
     Source: Wen, J. Eng. Mech. Div. ASCE 102 (1976) 249; the tension as in `PressedFriction`.
     Valid: slow, rate-independent friction.
@@ -125,7 +126,7 @@ class HysteresisBoucWen(PressedFriction):
     name = "hysteresis_bouc_wen"
     look = "force is higher while stretching than while releasing, with smooth corners"
 
-    skew: float = parameter(0.3, unit="1", low=0, high=0.9, doc="how much stiffer unloading is than loading")
+    skew: float = parameter(0.3, unit="1", low=0, high=0.9, doc="0: stiff after a turn, as dry friction; 1: no loop")
     exponent: float = parameter(
         1.0, unit="1", low=1, high=3, scale="log", doc="how sharp the corner between sticking and slipping is"
     )

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.additive import ForceFactor, ForceLaw
+from testbench.knit.effect import FloatArray, Signals, parameter
 from testbench.knit.filters import highpass, rate
 from testbench.knit.shapes.curves import LAW_TERMS, curve
 
@@ -23,17 +24,20 @@ def _powers_of_rate(*exponents: float) -> list[dict[str, Any]]:
     return [{"exponent": exponent, "rate0_per_s": rate0} for exponent in exponents for rate0 in (1e-4, 4e-3)]
 
 
-class RateLaw(Effect):
-    """Base of the laws of viscous stiffening: force that depends on how fast the knit is stretched."""
+class DashpotLaw(ForceLaw):
+    """Base of the laws of viscous stiffening by a force that is added, whatever the force of the knit."""
 
     mechanism = "viscous_rate_stiffening"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
-    pointwise = ("force_N",)
+
+
+class RateFactor(ForceFactor):
+    """Base of the laws of viscous stiffening in proportion to the force of the knit."""
+
+    mechanism = "viscous_rate_stiffening"
     strength = "gain"
 
 
-class ViscousRateStiffening(RateLaw):
+class ViscousRateStiffening(DashpotLaw):
     """A dashpot beside the knit: force grows with the rate of strain, by a power of it.
 
     F += force * v (v^2 + v0^2)^((exponent - 1) / 2),   v = e' / 0.1 per s,   v0 = rate0 / 0.1 per s
@@ -58,12 +62,12 @@ class ViscousRateStiffening(RateLaw):
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return _powers_of_rate(0.3, 0.6, 1.0, 1.3)
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
         viscous = _power_of_rate(signals["strain"], dt_s, self.exponent, self.rate0_per_s)
-        return {"force_N": signals["force_N"] + self.force_at_rate_N * viscous}
+        return self.force_at_rate_N * viscous
 
 
-class ViscousRateStiffeningMaxwell(RateLaw):
+class ViscousRateStiffeningMaxwell(DashpotLaw):
     """A dashpot that hangs on a spring beside the knit: what a stretch adds is gone within a second.
 
     F += force * (D - y) / (tau * 0.1 per s),   tau y' = D - y,   D = span sgn(e) (|e| / span)^power
@@ -87,15 +91,15 @@ class ViscousRateStiffeningMaxwell(RateLaw):
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return [{"tau_s": tau_s, "power": power} for tau_s in (0.1, 0.3, 0.8) for power in (1.0, 2.0)]
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
         from testbench.knit.memories import power_of
 
         driving = self.span * power_of(signals["strain"] / self.span, self.power)
         viscous = highpass(driving, self.tau_s, dt_s) / (self.tau_s * REFERENCE_RATE_PER_S)
-        return {"force_N": signals["force_N"] + self.force_at_rate_N * viscous}
+        return self.force_at_rate_N * viscous
 
 
-class ViscousRateStiffeningEyring(RateLaw):
+class ViscousRateStiffeningEyring(DashpotLaw):
     """Thermally activated sliding of chains: force grows with the logarithm of the rate.
 
     F += force * asinh(e' / rate0)
@@ -111,12 +115,12 @@ class ViscousRateStiffeningEyring(RateLaw):
     force_per_efold_N: float = parameter(0.05, unit="N", low=0, high=50, doc="force per e-fold of the rate")
     rate0_per_s: float = parameter(0.01, unit="1/s", low=1e-5, high=1, scale="log", doc="rate where the log sets in")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
         sliding = np.arcsinh(rate(signals["strain"], dt_s) / self.rate0_per_s)
-        return {"force_N": signals["force_N"] + self.force_per_efold_N * sliding}
+        return self.force_per_efold_N * sliding
 
 
-class ViscousRateStiffeningLog(RateLaw):
+class ViscousRateStiffeningLog(RateFactor):
     """All of the force grows with the logarithm of the rate's magnitude.
 
     F *= 1 + gain * ln(1 + |e'| / rate0)
@@ -131,12 +135,12 @@ class ViscousRateStiffeningLog(RateLaw):
     gain: float = parameter(0.02, unit="1", low=0, high=1, doc="relative gain of force per e-fold of the rate")
     rate0_per_s: float = parameter(0.01, unit="1/s", low=1e-5, high=1, scale="log", doc="rate where it sets in")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
         efolds = np.log1p(np.abs(rate(signals["strain"], dt_s)) / self.rate0_per_s)
-        return {"force_N": signals["force_N"] * (1 + self.gain * efolds)}
+        return 1 + self.gain * efolds
 
 
-class ViscousRateStiffeningPower(RateLaw):
+class ViscousRateStiffeningPower(RateFactor):
     """The whole force grows with a power of the strain rate.
 
     F *= 1 + gain * v (v^2 + v0^2)^((exponent - 1) / 2),   v = e' / 0.1 per s,   v0 = rate0 / 0.1 per s
@@ -158,12 +162,12 @@ class ViscousRateStiffeningPower(RateLaw):
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return _powers_of_rate(0.15, 0.35, 0.7, 1.1)
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
         raised = _power_of_rate(signals["strain"], dt_s, self.exponent, self.rate0_per_s)
-        return {"force_N": signals["force_N"] * np.maximum(1 + self.gain * raised, 0.0)}
+        return np.maximum(1 + self.gain * raised, 0.0)
 
 
-class ViscousRateStiffeningMagnitude(RateLaw):
+class ViscousRateStiffeningMagnitude(RateFactor):
     """The whole force grows with a power of the speed, whichever way the knit moves.
 
     F *= 1 + gain * (|e'| / 0.1 per s)^exponent
@@ -178,12 +182,12 @@ class ViscousRateStiffeningMagnitude(RateLaw):
     gain: float = parameter(0.1, unit="1", low=0, high=3, doc="relative force added at a strain rate of 0.1 / s")
     exponent: float = parameter(0.4, unit="1", low=0.1, high=1.5, scale="log", doc="power of the rate")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
         speed = np.abs(rate(signals["strain"], dt_s)) / REFERENCE_RATE_PER_S
-        return {"force_N": signals["force_N"] * (1 + self.gain * speed**self.exponent)}
+        return 1 + self.gain * speed**self.exponent
 
 
-class ViscousRateStiffeningRelative(RateLaw):
+class ViscousRateStiffeningRelative(RateFactor):
     """A dashpot that stiffens with the load: viscous force in proportion to the elastic one.
 
     F *= 1 + gain * e' / 0.1 per s
@@ -197,12 +201,12 @@ class ViscousRateStiffeningRelative(RateLaw):
 
     gain: float = parameter(0.1, unit="1", low=0, high=2, doc="relative gain of force at 10 % strain per second")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
         speed = rate(signals["strain"], dt_s) / REFERENCE_RATE_PER_S
-        return {"force_N": signals["force_N"] * np.maximum(1 + self.gain * speed, 0.0)}
+        return np.maximum(1 + self.gain * speed, 0.0)
 
 
-class ViscousRateStiffeningCurve(RateLaw):
+class ViscousRateStiffeningCurve(RateFactor):
     """The whole force depends on the strain rate along a smooth curve of any form.
 
     F *= exp( curve(v) - curve(1/2) ),   v = asinh(30 e' / reach) / (2 asinh(30)) + 1/2
@@ -223,7 +227,7 @@ class ViscousRateStiffeningCurve(RateLaw):
         strain, time_s = signals["strain"], signals["time_s"]
         return [{"reach_per_s": float(np.max(np.abs(rate(strain, float(time_s[1] - time_s[0])))))}]
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
         v = np.arcsinh(30 * rate(signals["strain"], dt_s) / self.reach_per_s) / (2 * np.arcsinh(30)) + 0.5
         stiffer = curve(v, 0.0, 1.0, self.weights) - curve(np.full(1, 0.5), 0.0, 1.0, self.weights)
-        return {"force_N": signals["force_N"] * np.exp(stiffer)}
+        return np.exp(stiffer)

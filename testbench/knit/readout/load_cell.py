@@ -6,11 +6,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.additive import ForceLaw
+from testbench.knit.effect import FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import lowpass, memory_of_decades, memory_of_two_times
 
 
-class LoadCellLaw(Effect):
+class LoadCellLaw(ForceLaw):
     """Base of the laws of a load cell whose reading creeps.
 
     Typical sizes: a cell of class C creeps by a few parts in ten thousand of the load within 30 min (OIML R 60).
@@ -19,7 +20,6 @@ class LoadCellLaw(Effect):
     mechanism = "load_cell_creep"
     stage = Stage.READOUT
     reads: ClassVar[tuple[str, ...]] = ("force_N",)
-    writes = ("force_N",)
     strength = "fraction"
 
 
@@ -40,9 +40,9 @@ class LoadCellCreep(LoadCellLaw):
     )
     tau_s: float = parameter(300.0, unit="s", low=5, high=1e4, scale="log", doc="time constant of the creep")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
         force_N = signals["force_N"]
-        return {"force_N": force_N + self.fraction * (lowpass(force_N, self.tau_s, dt_s) - force_N[0])}
+        return self.fraction * (lowpass(force_N, self.tau_s, dt_s) - force_N[0])
 
 
 class LoadCellCreepTwoTimes(LoadCellLaw):
@@ -68,10 +68,8 @@ class LoadCellCreepTwoTimes(LoadCellLaw):
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return [{"fast_s": fast_s, "slow_s": slow_s} for fast_s in (10.0, 40.0) for slow_s in (200.0, 800.0)]
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        force_N = signals["force_N"]
-        crept = memory_of_two_times(force_N, self.fraction, self.share, self.fast_s, self.slow_s, dt_s)
-        return {"force_N": force_N + crept}
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
+        return memory_of_two_times(signals["force_N"], self.fraction, self.share, self.fast_s, self.slow_s, dt_s)
 
 
 class LoadCellCreepLog(LoadCellLaw):
@@ -92,9 +90,8 @@ class LoadCellCreepLog(LoadCellLaw):
     )
     tau_s: float = parameter(3.0, unit="s", low=0.05, high=300, scale="log", doc="when the creep sets in")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        force_N = signals["force_N"]
-        return {"force_N": force_N + memory_of_decades(force_N, self.per_decade, self.tau_s, dt_s)}
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
+        return memory_of_decades(signals["force_N"], self.per_decade, self.tau_s, dt_s)
 
 
 class LoadCellZeroDrift(LoadCellLaw):
@@ -108,12 +105,11 @@ class LoadCellZeroDrift(LoadCellLaw):
 
     name = "load_cell_zero_drift"
     reads = ("time_s", "force_N")
-    pointwise = ("force_N",)
     strength = "drift_N"
     look = "the whole force curve is shifted, more and more, at every strain alike"
 
     drift_N: float = parameter(0.05, unit="N", low=-50, high=50, typical=5e-3, doc="shift in the end")
     tau_s: float = parameter(600.0, unit="s", low=5, high=1e5, scale="log", doc="time constant")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"force_N": signals["force_N"] - self.drift_N * np.expm1(-signals["time_s"] / self.tau_s)}
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
+        return -self.drift_N * np.expm1(-signals["time_s"] / self.tau_s)

@@ -8,6 +8,7 @@ import runpy
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from gcode.support.errors import UserError
@@ -105,6 +106,15 @@ def test_template_keeps_the_rules_and_takes_part_in_a_model(tmp_path: Path) -> N
     assert model_from_dict(model.to_dict(), catalogue).effects == model.effects
 
 
+def test_an_effects_file_may_have_a_dataclass_and_annotations_that_are_read_later(tmp_path: Path) -> None:
+    write_template("my_effect", tmp_path / "mine.py")
+    text = (tmp_path / "mine.py").read_text(encoding="utf-8").partition("import numpy")
+    helper = "from dataclasses import dataclass\n\n\n@dataclass\nclass Helper:\n    size: float\n"
+    lines = ["from __future__ import annotations\n\n", text[1], text[2], helper]
+    (tmp_path / "mine.py").write_text("".join(lines), encoding="utf-8")
+    assert check(load_catalogue(tmp_path / "mine.py")["my_effect"]()) == []
+
+
 @pytest.mark.parametrize("name", ["My", "two words", "class", "1st", ""])
 def test_template_needs_a_usable_name(name: str, tmp_path: Path) -> None:
     with pytest.raises(UserError, match="must be like my_effect"):
@@ -192,6 +202,8 @@ def test_an_effect_that_would_end_the_program_does_not(tmp_path: Path) -> None:
         ("parameter(0.1, unit", "parameter(9.0, unit", "Bad.gain must be a number from 0 to 1, got 9"),
         ('parameter(0.1, unit="1", low=0, high=1, doc="gain")', "0.1", "amiss: gain$"),
         ("    gain: float", "    near: float", "amiss: near$"),
+        ("    gain: float", "    gain: int", "amiss: gain$"),
+        ("    gain: float", "    gain: str", "amiss: gain$"),
         ('strength = "gain"', 'optional_reads = ("temperature_C")', "amiss: optional_reads$"),
         ("low=0", "low=2", "finite bounds, low < high.* got scale='linear', low=2, high=1"),
         ("low=0", 'low=0, scale="log"', "above 0 with"),
@@ -290,6 +302,16 @@ def test_a_broken_plug_in_is_listed_and_stops_nothing(monkeypatch: pytest.Monkey
     assert catalogue.broken == {"their_effect": "ImportError: their library is missing"}
     assert "broken: their_effect: ImportError: their library is missing" in catalogue_text(catalogue)
     assert "contact" in catalogue.effects
+
+
+def test_a_motion_may_be_a_column_that_nobody_may_write_to() -> None:
+    """As pandas gives them, counted from any row and any time."""
+    time_s = np.arange(100) * 0.05
+    strain = 0.1 - 0.1 * np.cos(time_s)
+    plain = preset("pes").simulate(inputs(time_s, strain), 0.05)
+    frame = pd.DataFrame({"time_s": time_s + 7.0, "strain": strain}, index=range(5, 105))
+    told = preset("pes").simulate(inputs(frame.time_s, frame.strain), 0.05)
+    np.testing.assert_allclose(told["conductance_S"], plain["conductance_S"], rtol=1e-12)
 
 
 def test_a_sensor_whose_conductance_falls_needs_no_force() -> None:

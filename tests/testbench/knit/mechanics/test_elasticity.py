@@ -74,6 +74,14 @@ def test_a_law_is_drawn_to_data_of_its_own_kind(law):
     np.testing.assert_allclose(force_N(drawn), force_N(law), atol=1e-8)
 
 
+@pytest.mark.parametrize("law", [ElasticityOgden, ElasticityGent])
+def test_a_law_that_the_force_would_take_beyond_a_bound_is_drawn_as_near_as_the_bound_lets_it(law):
+    """Rubber of a modulus below 0, with a straight line that makes up for it, would follow this parabola best."""
+    square_N = 6 * STRAIN + 15 * STRAIN**2
+    drawn, line = law().drawn_to(STRAIN, square_N, np.ones_like(STRAIN)), np.polyfit(STRAIN, square_N, 1)
+    assert np.std(force_N(drawn) - square_N) < 0.5 * np.std(np.polyval(line, STRAIN) - square_N)
+
+
 def test_weights_say_which_strains_count():
     bent = force_N(LAWS[0]) + np.where(STRAIN > 0.25, 5.0, 0.0)
     drawn = type(LAWS[0])().drawn_to(STRAIN, bent, np.where(STRAIN > 0.25, 0.0, 1.0))

@@ -115,6 +115,12 @@ def test_bouc_wen_of_exponent_one_does_not_depend_on_the_steps(skew) -> None:
     np.testing.assert_allclose(bouc_wen_of_exponent_1(x, 0.02, skew), there, atol=1e-9)
 
 
+@pytest.mark.parametrize("skew", [0.0, 0.5, 0.9])
+def test_the_way_back_from_full_slip_begins_as_steep_as_the_skew_says(skew) -> None:
+    z = bouc_wen_of_exponent_1(np.array([0.0, 2.0, 2.0 - 1e-6]), 0.02, skew)
+    assert (z[1] - z[2]) / 1e-6 * 0.02 == pytest.approx(2 * (1 - skew), rel=1e-3)
+
+
 def test_a_bouc_wen_exponent_of_two_grows_like_a_hyperbolic_tangent() -> None:
     """dz/dx = (1 - z^2) / threshold from rest."""
     z = bouc_wen(LOOP, 0.1, 0.3, 2.0)
