@@ -5,6 +5,8 @@ The command, the notebook, the report and the studio ask here, so that one model
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -12,15 +14,19 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.comparing.clamping import Zero, may_be_clamped_anew, moved, zero_of
+from testbench.comparing.model_errors import channel_name, noise_floors
 from testbench.comparing.remounting import remounted
 from testbench.knit.model import KnitModel
 from testbench.measurements.joining import last_of
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.preparing import prepare
+from testbench.measurements.responses import UNIT_OF
 from testbench.measurements.splitting import check_play, split
 from testbench.recordings.between import Between
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import ModelFile, same_source
+
+SAME_FLOOR = 3e-3  # relative; noise floors of the same samples
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +141,27 @@ def kept_zero(file: ModelFile) -> Zero | None:
     """The zero of the held-out displacement as the last step of a ladder found it; None: it was not clamped anew."""
     zero = file.history[-1].get("zero") if file.history else None
     return Zero(**zero) if zero else None
+
+
+def check_judged_on(held: Measurement, step: Mapping[str, Any]) -> None:
+    """Refuse held-out samples that a step of a ladder was not judged on; their noise floors tell them.
+
+    Raises
+    ------
+    UserError
+    """
+    kept, here = step["noise_floor"], noise_floors(held)
+    # Of several recordings in a row a sample at either end may count or not.
+    if kept.keys() == here.keys() and all(math.isclose(kept[c], here[c], rel_tol=SAME_FLOOR) for c in here):
+        return
+    there, found = (
+        " and ".join(f"{channel_name(c)} {floor:.4g} {UNIT_OF[c]}" for c, floor in floors.items())
+        for floors in (kept, here)
+    )
+    raise UserError(
+        f"{held.recording.source}: the diagnosis was judged on other samples: their noise floor is {there}, and here "
+        f"it is {found}; give the recordings that were diagnosed, or diagnose these"
+    )
 
 
 def held_samples(file: ModelFile, recording: Recording, held_out: Recording | None) -> Measurement:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 from gcode.support.errors import UserError
@@ -11,6 +10,7 @@ from testbench.comparing.carried_over import step_before
 from testbench.design.imitation import Rival
 from testbench.diagnosis.adding import add_effect
 from testbench.knit.catalogue import Catalogue, model_from_dict
+from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
 from testbench.results.model_file import ModelFile
 
@@ -18,7 +18,7 @@ MOST = 3  # tied effects that are weighed against each other
 
 
 def rivals_of(files: Mapping[str, ModelFile]) -> tuple[list[Rival], dict[str, float], float]:
-    """Rivals, noise floors and gauge length [mm] from fitted models, by the name of the file or the variable.
+    """Rivals, noise floors and gauge length [mm] from fitted models, by name.
 
     Raises
     ------
@@ -34,8 +34,8 @@ def rivals_of(files: Mapping[str, ModelFile]) -> tuple[list[Rival], dict[str, fl
                 f"{path}: fitted at a gauge length of {file.gauge_length_mm:g} mm, but {name} at "
                 f"{first.gauge_length_mm:g} mm; rivals must be fitted on recordings of one set-up"
             )
-    stems = [Path(path).stem for path in files]
-    return _named(list(files.values()), stems), shared_noise(list(files.values())), first.gauge_length_mm
+    rivals = [Rival(name, file.model) for name, file in files.items()]
+    return rivals, shared_noise(list(files.values())), first.gauge_length_mm
 
 
 def rivals_from_diagnosis(
@@ -97,10 +97,13 @@ def shared_noise(files: Sequence[ModelFile]) -> dict[str, float]:
     return {channel: min(max(f[channel], s.get(channel, 0.0)) for f, s in both) for channel in shared}
 
 
-def _named(files: Sequence[ModelFile], stems: Sequence[str]) -> list[Rival]:
-    """Each by the effects that only it has; by its file where that says nothing or the same."""
-    common = set.intersection(*(set(file.model) for file in files))
-    own = [" + ".join(name for name in file.model if name not in common) for file in files]
-    told = all(own) and len(set(own)) == len(own)
-    names = own if told else [f"{stem} ({index})" for index, stem in enumerate(stems, 1)]
-    return [Rival(name, file.model) for name, file in zip(names, files, strict=True)]
+def told_apart(models: Mapping[str, KnitModel]) -> list[str]:
+    """A name for each model: the effects that not all of them have, or that it is without them.
+
+    Where these tell nothing, or the same of two, the names as they are given.
+    """
+    common = set.intersection(*map(set, models.values()))
+    own = [[name for name in model if name not in common] for model in models.values()]
+    lacking = "without " + " and ".join(dict.fromkeys(name for names in own for name in names))
+    told = [" + ".join(names) or lacking for names in own]
+    return told if len(set(told)) == len(told) else list(models)

@@ -121,6 +121,7 @@ def clocks_in_words(delay_s: float, drift_ppm: float, duration_s: float) -> str:
     start = "together with" if abs(delay_s) < 0.001 else f"{abs(delay_s):.3f} s {order}"
     gained_ms = 1e-3 * abs(drift_ppm) * duration_s
     if gained_ms < 1:
-        return f"The plan began {start} the recording; their clocks run alike."
+        return f"the plan began {start} the recording; their clocks run alike"
     pace = "gains" if drift_ppm > 0 else "loses"
-    return f"The plan began {start} the recording; its clock {pace} {gained_ms:.0f} ms over the recording."
+    clock = f"its clock {pace} {gained_ms:.0f} ms over the recording ({abs(drift_ppm):.0f} ppm)"
+    return f"the plan began {start} the recording; {clock}"

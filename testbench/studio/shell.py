@@ -72,6 +72,8 @@ def frame(studio: Studio) -> None:
     load_plotly()
     ui.add_css(files("testbench.studio").joinpath("theme.css").read_text("utf-8"))
     ui.colors(primary=BLUE, secondary="#5b6875", accent="#b34e00", positive="#00795a", negative="#b03a00")
+    for field in (ui.input, ui.number, ui.select, ui.textarea):
+        field.default_props("outlined dense")
     with ui.element("div").classes("frame"):
         with ui.element("aside").classes("side"):
             _side(studio)

@@ -20,6 +20,7 @@ from testbench.campaigns.plan import PROGRAM
 from testbench.recordings.channels import DISPLACEMENT
 from testbench.recordings.recording import Recording
 from testbench.report import style
+from testbench.report.words import clocks_in_words
 from testbench.rig.simulation.played import played
 
 if TYPE_CHECKING:
@@ -46,13 +47,10 @@ class AlignmentResult:
 
     @property
     def words(self) -> tuple[str, ...]:
-        """Delay, drift and agreement, a sentence each."""
+        """How the clocks stand, and how well the motions agree."""
         found = self.alignment
-        order = "before" if round(found.delay_s, 3) < 0 else "after"
-        pace = "slow" if round(found.drift_ppm) < 0 else "fast"
         return (
-            f"the plan began {abs(found.delay_s):.3f} s {order} the recording",
-            f"the plan's clock runs {abs(found.drift_ppm):.0f} ppm {pace} against the recorder's",
+            clocks_in_words(found.delay_s, found.drift_ppm, self.recording.duration_s),
             f"aligned, correlation {found.correlation:.5f}, difference {found.rms_mm * 1e3:.1f} µm RMS",
         )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +21,7 @@ from testbench.design.experiment_words import experiment_table, verdict
 from testbench.design.imitation import Rival
 from testbench.design.limits import bounds_with
 from testbench.design.protocols import Bounds, menu
-from testbench.design.rivals import rivals_from_diagnosis, rivals_of
+from testbench.design.rivals import rivals_from_diagnosis, rivals_of, told_apart
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import FloatArray
 from testbench.measurements.splitting import split
@@ -124,8 +124,8 @@ def next_experiment(
     Parameters
     ----------
     rivals : sequence or mapping of results or paths, or a diagnosis
-        Two or more fitted models; or a diagnosis (a result, or the path of its JSON), whose tied effects are each put
-        in and refitted on `recording`.
+        Two or more fitted models, by name in a mapping, else called after the effects that not all of them have; or a
+        diagnosis (a result, or the path of its JSON), whose tied effects are each put in and refitted on `recording`.
     recording, held_out : Recording or path, optional
         With a diagnosis only: what it was made on.
     bounds : Bounds or mapping, optional
@@ -189,11 +189,15 @@ def _fitted(
     given = len(rivals) if isinstance(rivals, Sequence | Mapping) else repr(rivals)
     if isinstance(given, str) or given < 2:
         raise UserError(f"next_experiment: give two or more rival models, got {given}")
-    if not isinstance(rivals, Mapping):
-        names = [str(one) if isinstance(one, str | Path) else f"model {n}" for n, one in enumerate(rivals, 1)]
-        unique = names if len(set(names)) == len(names) else [f"{name} ({n})" for n, name in enumerate(names, 1)]
-        rivals = dict(zip(unique, rivals, strict=True))
-    return rivals_of({name: model_file_of(one, catalogue) for name, one in rivals.items()})
+    if isinstance(rivals, Mapping):
+        return rivals_of({str(name): model_file_of(one, catalogue) for name, one in rivals.items()})
+    names = [str(one) if isinstance(one, str | Path) else f"model {n}" for n, one in enumerate(rivals, 1)]
+    unique = names if len(set(names)) == len(names) else [f"{name} ({n})" for n, name in enumerate(names, 1)]
+    found, noise, gauge_mm = rivals_of(
+        {name: model_file_of(one, catalogue) for name, one in zip(unique, rivals, strict=True)}
+    )
+    told = told_apart({rival.name: rival.model for rival in found})
+    return [replace(rival, name=name) for rival, name in zip(found, told, strict=True)], noise, gauge_mm
 
 
 def bounds_said(bounds: Mapping[str, float] | Bounds | None) -> dict[str, float]:

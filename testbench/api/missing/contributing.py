@@ -16,7 +16,7 @@ from testbench.api.missing.diagnosing import DiagnosisResult, diagnosis_data
 from testbench.comparing import contribution as core
 from testbench.comparing.carried_over import step_before
 from testbench.comparing.contribution import Contribution
-from testbench.comparing.judged import held_samples
+from testbench.comparing.judged import check_judged_on, held_samples
 from testbench.comparing.model_errors import channel_name
 from testbench.comparing.words import spoken
 from testbench.knit.catalogue import Catalogue, model_from_dict
@@ -119,7 +119,8 @@ def contribution(
     Raises
     ------
     UserError
-        If the diagnosis has no such law, or the catalogue has it no more; if the recordings do not fit together.
+        If the diagnosis has no such law, or the catalogue has it no more; if the recordings do not fit together, or
+        are not those that were diagnosed.
 
     Examples
     --------
@@ -132,10 +133,13 @@ def contribution(
     catalogue = catalogue_of(effects)
     data = checked_diagnosis(diagnosis, "diagnosis") if isinstance(diagnosis, Mapping) else diagnosis_data(diagnosis)
     effect = _candidate(data, law, catalogue)
+    if not data["history"]:
+        raise UserError("contribution: the diagnosis keeps no models; diagnose anew")
     before = step_before(data["history"], len(data["found"]))
     without = model_from_dict(before["model"], catalogue, "diagnosis")
     first, second, _ = recordings_for(None, None, recording, held_out, gauge_length_mm)
     held = held_samples(ModelFile(without, 0.0, history=(before,)), first, second)
+    check_judged_on(held, before)
     ln_S = held.measured[CONDUCTANCE_CHANNEL][held.counts] if CONDUCTANCE_CHANNEL in held.measured else None
     return ContributionResult(effect, core.contribution(without, effect, held), ln_S)
 

@@ -11,7 +11,8 @@ from gcode.support.arrays import FloatArray
 from testbench.report import style
 from testbench.report.figures.recording_figures import line
 
-LEAST = 0.1  # evidence below this is drawn as this: a logarithmic axis has no zero
+LEAST = 0.1  # evidence below this is drawn as this, a short bar: a logarithmic axis has no zero
+BEGIN = LEAST / 2  # of the axis
 DECISIVE = 5.0
 COLOURS = {"force": style.FORCE, "conductance": style.CONDUCTANCE}
 
@@ -56,9 +57,9 @@ def ranking(evidence: Sequence[tuple[str, float]]) -> style.Figure:
     axes = {
         "xaxis": style.axis(
             "Expected evidence against the wrong model (log odds)",
-            **style.log_ticks([LEAST, top * 1.5]),
+            **style.log_ticks([BEGIN, top * 1.5]),
             anchor="y",
-            range=[float(np.log10(LEAST)), float(np.log10(top * 1.5))],
+            range=[float(np.log10(BEGIN)), float(np.log10(top * 1.5))],
         ),
         "yaxis": style.names_of_bars(names, anchor="x"),
     }

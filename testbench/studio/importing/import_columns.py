@@ -58,11 +58,11 @@ class Columns:
                 ("encoding", "Encoding", ENCODINGS),
             ):
                 choice = ui.select(options, value=known(options, self.choices.hints.get(name)), label=label)
-                choice.props("outlined dense").style("width:140px")
+                choice.style("width:140px")
                 choice.on_value_change(partial(self._hinted, name))
             if self.choices.path.suffix.lower() in (".xlsx", ".xlsm", ".tdms"):
                 sheet = ui.input("Sheet", value=str(self.choices.hints.get("sheet") or ""))
-                sheet.props("outlined dense debounce=600").style("width:150px")
+                sheet.props("debounce=600").style("width:150px")
                 sheet.on_value_change(partial(self._hinted, "sheet"))
 
     async def _row_hinted(self, field: ui.number, name: str, event: events.ValueChangeEventArguments) -> None:
@@ -122,13 +122,13 @@ class Columns:
         with ui.element("div").classes("role"):
             ui.label(title).style("font-weight:550")
             value = str(taken.column.number) if taken else NOT_THERE
-            column = ui.select(column_options(sheet), value=value).props("outlined dense")
+            column = ui.select(column_options(sheet), value=value)
             column.props(f"aria-label='Column of {in_a_sentence(title)}'")
             column.on_value_change(partial(self._column_chosen, role))
             unit = ui.select(
                 unit_options(role), value=unit_key(choice, role), label=f"Unit of {in_a_sentence(title)}"
             )
-            unit.props("outlined dense").set_enabled(taken is not None)
+            unit.set_enabled(taken is not None)
             unit.on_value_change(partial(self._unit_chosen, role))
             with ui.row().classes("items-center gap-2"):
                 wrong = still_to_say(choice, role)
@@ -167,7 +167,7 @@ class Columns:
                 continue
             value = str(taken.clock.number) if taken.clock else NOT_THERE
             options = column_options(sheet) | {NOT_THERE: "(those of time)"}
-            clock = ui.select(options, value=value, label=f"Own times of {role}").props("outlined dense")
+            clock = ui.select(options, value=value, label=f"Own times of {role}")
             clock.style("width:320px").on_value_change(partial(self._clock_chosen, role))
 
     async def _clock_chosen(self, role: str, event: events.ValueChangeEventArguments) -> None:

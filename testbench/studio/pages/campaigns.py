@@ -85,7 +85,7 @@ class _List:
         """Fields, then cards."""
         query = self.where.query
         with ui.row().classes("items-center w-full gap-2"):
-            search = ui.input("Search", value=query["q"]).props("outlined dense clearable type=search debounce=250")
+            search = ui.input("Search", value=query["q"]).props("clearable type=search debounce=250")
             search.classes("grow").style("min-width:200px")
             search.on_value_change(lambda event: self._narrow(q=event.value or ""))
             self._select("State", {"": "Any state", **{one: one for one in STATES}}, "state")
@@ -103,7 +103,7 @@ class _List:
 
     def _select(self, label: str, options: dict[str, str], key: str, usual: str = "") -> ui.select:
         value = self.where.query[key] if self.where.query[key] in options else usual
-        field = ui.select(options, value=value, label=label).props("outlined dense").style("width:150px")
+        field = ui.select(options, value=value, label=label).style("width:150px")
         field.on_value_change(lambda event: self._narrow(**{key: "" if event.value == usual else event.value}))
         return field
 

@@ -32,12 +32,12 @@ class _Editor:
         self.mark = stamp(self.path)  # of the file as it stands in the editor
         with ui.column().classes("card gap-3"):
             with ui.row().classes("items-center"):
-                self.name = ui.input("Name of a new effect", placeholder="my_effect").props("outlined dense")
+                self.name = ui.input("Name of a new effect", placeholder="my_effect")
                 button("Start from the template", "note_add", self._start, "outline")
                 button("Save and check", "check", self._save)
                 button("Read the file again", "refresh", self._read, "flat")
             with ui.row().classes("items-center w-full"):
-                self.where = ui.input("File in use", value=str(self.path)).props("outlined dense").classes("grow")
+                self.where = ui.input("File in use", value=str(self.path)).classes("grow")
                 button("Use this file", "folder_open", self._point, "outline")
             self.text = ui.codemirror("", language="Python", theme="basicLight")
             self.text.classes("w-full").style("height:440px;border:1px solid var(--rule);border-radius:9px")

@@ -58,7 +58,7 @@ def page(studio: Studio, file: str = "", name: str = "", chosen: str = "") -> No
     with ui.column().classes("card gap-3"):
         with ui.row().classes("w-full items-center"):
             path = ui.input("File on this machine", value=file, placeholder="/data/lab/run-7.csv")
-            path.props("outlined dense").classes("grow").on("keydown.enter", lambda: attempt(read_typed))
+            path.classes("grow").on("keydown.enter", lambda: attempt(read_typed))
             button("Read the file", "", lambda: read_typed())
         # Of several files a browser hands on the first and drops the others silently, unless they are allowed.
         upload = ui.upload(
@@ -150,7 +150,7 @@ class _Form:
             self.gauge = number_field("Gauge length / mm", None, optional=True)
             self.gauge.tooltip("length of the sensor between the clamps at rest")
             self.gauge.bind_value(self.choices, "gauge_length_mm")
-            self.name = ui.input("Campaign name", value=free).props("outlined dense")
+            self.name = ui.input("Campaign name", value=free)
             self.name.on_value_change(self._named)
         with ui.row():
             boxes = ("Put rows in the order of time", "sort"), ("Leave out rows that cannot be used", "drop_bad")

@@ -67,7 +67,7 @@ def _form(studio: Studio, where: Address, begun: Callable[[], object]) -> None:
         raise UserError(f"the address asks for the motion {wanted!r}; there are {', '.join(PRESETS)}")
     with ui.column().classes("card gap-3"):
         with ui.row().classes("items-start"):
-            preset = ui.select(PRESETS, value=wanted, label="Motion").props("outlined dense").style("width:220px")
+            preset = ui.select(PRESETS, value=wanted, label="Motion").style("width:220px")
             seed = number_field("Seed", asked(where, "seed", 51), whole=True)
             seed.tooltip("another seed is another motion of the same kind")
             gauge = number_field("Gauge length / mm", asked(where, "gauge", 25))
@@ -167,9 +167,9 @@ def _run_form(studio: Studio, folder: Path, program: str) -> None:
     with ui.column().classes("card gap-3"):
         subheading("Run it on the simulated rig", "The same bytes as the real rig, in about a second.")
         with ui.row().classes("items-center"):
-            sensor = ui.select(SENSORS, value="pes", label="Sensor").props("outlined dense").style("width:160px")
+            sensor = ui.select(SENSORS, value="pes", label="Sensor").style("width:160px")
             seed = number_field("Seed of noise", 1, whole=True)
-            name = ui.input("Campaign name", value=f"pes-{program}").props("outlined dense").style("min-width:300px")
+            name = ui.input("Campaign name", value=f"pes-{program}").style("min-width:300px")
         sensor.on_value_change(lambda event: name.set_value(f"{event.value}-{program}"))
         ended = partial(open_campaign_of, studio)
 

@@ -55,20 +55,20 @@ class _Form:
 
     def _rig(self, programs: list[str]) -> None:
         self.port = ui.input("Port", value=SIMULATED, autocomplete=[SIMULATED, *ports_here()])
-        self.port.props("outlined dense").style("min-width:230px")
-        self.sensor = ui.select(SENSORS, value="pes", label="Simulated sensor").props("outlined dense")
+        self.port.style("min-width:230px")
+        self.sensor = ui.select(SENSORS, value="pes", label="Simulated sensor")
         self.sensor.style("width:170px").bind_visibility_from(self.port, "value", lambda value: value == SIMULATED)
-        self.program = ui.select(programs, value=programs[-1], label="Program").props("outlined dense")
+        self.program = ui.select(programs, value=programs[-1], label="Program")
         self.program.style("min-width:300px")
 
     def _campaign(self) -> None:
-        self.name = ui.input("Campaign name", value=_free(self.studio, "recorded")).props("outlined dense")
-        self.specimen = ui.input("Specimen").props("outlined dense")
+        self.name = ui.input("Campaign name", value=_free(self.studio, "recorded"))
+        self.specimen = ui.input("Specimen")
         self.force = number_field("Force limit / N", None, optional=True)
         self.strain = number_field("Strain limit / %", None, optional=True)
         trained = compensators(self.studio)
         choices = {"": "none", **trained}
-        self.compensator = ui.select(choices, value="", label="Compensator").props("outlined dense")
+        self.compensator = ui.select(choices, value="", label="Compensator")
         self.compensator.style("min-width:200px").set_visibility(bool(trained))
 
     async def start(self) -> None:

@@ -59,7 +59,7 @@ def comma_taking_number(
     label: str, value: float | None = None, rules: Rules | None = None, look: str | None = None
 ) -> ui.number:
     """A field for a number as every page has it: a decimal comma becomes a point; `look` is as in ``%.6g``."""
-    field = ui.number(label, value=value, validation=rules, format=look).props("outlined dense")
+    field = ui.number(label, value=value, validation=rules, format=look)
     return field.on("keydown", js_handler=COMMA_IS_A_POINT)
 
 

@@ -54,7 +54,7 @@ def unfinished_card(studio: Studio, campaign: Campaign) -> None:
             ui.label(ENDINGS[campaign.status]).style("font-weight:600")
         ui.label("Every sample up to then is on disk and is shown below. Resume records the rest into it.")
         with ui.row().classes("items-center gap-2"):
-            port = ui.input("Port", value=_port_of(campaign)).props("outlined dense").style("width:min(420px, 76vw)")
+            port = ui.input("Port", value=_port_of(campaign)).style("width:min(420px, 76vw)")
             look = "unelevated color=accent"
             button("Resume", "fiber_manual_record", lambda: resume(studio, campaign, port.value or ""), look)
 

@@ -285,6 +285,15 @@ def test_a_candidate_shows_what_it_would_add_where_the_model_was_judged():
         tb.contribution(diagnosed(), "nothing", relaxed())
 
 
+def test_a_contribution_is_that_to_the_recording_that_was_diagnosed():
+    for other in (relaxed(2), tb.read(relaxed().to_frame()[["time_s", "displacement_mm", "force_N"]], 25)):
+        with pytest.raises(tb.UserError, match=r"judged on other samples: their noise floor is force .* diagnosed"):
+            tb.contribution(diagnosed(), "stress_relaxation", other)
+    untold = json.loads(json.dumps(diagnosed().to_dict() | {"history": []}))
+    with pytest.raises(tb.UserError, match="contribution: the diagnosis keeps no models; diagnose anew"):
+        tb.contribution(untold, "stress_relaxation", relaxed())
+
+
 def test_what_the_base_needs_goes_in_before_the_candidate():
     diagnosis = {"other_laws": ["elasticity_ogden"], "base_misfits": ["drift_shape"]}
     wanted = ["elasticity_ogden", "drift_shape", "stress_relaxation"]
@@ -315,15 +324,14 @@ def test_what_was_run_verified_and_gathered_is_shown_with_its_samples_and_proble
 
 
 def test_a_plan_that_began_first_is_said_to_have_begun_before_the_recording():
-    words = [
-        tb.AlignmentResult(Alignment(delay_s, drift_ppm, 0.0, 1.0, 0.004), relaxed(), Path("program.tap")).words
-        for delay_s, drift_ppm in ((-0.25, -5.2), (0.25, 5.2), (-0.0001, -0.1))
+    aligned = [
+        tb.AlignmentResult(Alignment(delay_s, drift_ppm, 0.0, 1.0, 0.004), relaxed(), Path("program.tap"))
+        for delay_s, drift_ppm in ((-0.25, -52.0), (0.25, 52.0), (-0.0001, -0.1))
     ]
-    assert [one[0] for one in words] == [
-        f"the plan began {told} the recording" for told in ("0.250 s before", "0.250 s after", "0.000 s after")
-    ]
-    assert [one[1].split(" against")[0] for one in words] == [
-        f"the plan's clock runs {told}" for told in ("5 ppm slow", "5 ppm fast", "0 ppm fast")
+    assert [one.words[0] for one in aligned] == [
+        "the plan began 0.250 s before the recording; its clock loses 5 ms over the recording (52 ppm)",
+        "the plan began 0.250 s after the recording; its clock gains 5 ms over the recording (52 ppm)",
+        "the plan began together with the recording; their clocks run alike",
     ]
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from testbench.design.rivals import shared_noise
+from testbench.design.rivals import shared_noise, told_apart
+from testbench.effects import LoadCellCreep, StressRelaxation
 from testbench.results.model_file import ModelFile
 from tests.testbench.builders import truth
 
@@ -25,3 +26,13 @@ def file(floor_N: float, left_N: float | None) -> ModelFile:
 def test_the_noise_is_that_of_the_best_whichever_comes_first(one, other, least) -> None:
     files = file(*one), file(*other)
     assert shared_noise(files) == shared_noise(files[::-1]) == {"force": least}
+
+
+def test_rivals_are_called_after_what_not_all_of_them_have() -> None:
+    base, relaxing = truth(), truth() + StressRelaxation()
+    creeping = relaxing + LoadCellCreep()
+    assert told_apart({"a": base, "b": relaxing}) == ["without stress_relaxation", "stress_relaxation"]
+    nested = told_apart({"a": base, "b": relaxing, "c": creeping})
+    lacking = "without stress_relaxation and load_cell_creep"
+    assert nested == [lacking, "stress_relaxation", "stress_relaxation + load_cell_creep"]
+    assert told_apart({"runs/a.json": base, "runs/b.json": base}) == ["runs/a.json", "runs/b.json"]

@@ -441,9 +441,9 @@ def test_a_report_says_at_which_rate_the_speed_was_taken_and_nothing_of_a_speed_
 
 
 def test_clocks_are_told_in_words() -> None:
-    assert words.clocks_in_words(0.0004, 0.1, 60.0).endswith("together with the recording; their clocks run alike.")
+    assert words.clocks_in_words(0.0004, 0.1, 60.0).endswith("together with the recording; their clocks run alike")
     assert words.clocks_in_words(0.342, 35.0, 1380.0) == (
-        "The plan began 0.342 s after the recording; its clock gains 48 ms over the recording."
+        "the plan began 0.342 s after the recording; its clock gains 48 ms over the recording (35 ppm)"
     )
     assert "0.100 s before the recording; its clock loses 138 ms" in words.clocks_in_words(-0.1, -100.0, 1380.0)
 
@@ -531,6 +531,11 @@ def test_a_result_is_drawn_on_axes_of_its_own_by_the_figure_of_the_report() -> N
     (axes,) = draw_on(experiment, None)
     assert axes.get_xscale() == "log"
     assert [name.get_text() for name in axes.get_yticklabels()] == ["fast triangle", "long hold"]
+
+
+def test_a_motion_that_tells_nothing_has_a_bar_nevertheless() -> None:
+    (axes,) = draw_on(experiment_figures.ranking([("fast-triangle", 0.03), ("long-hold", 0.0)]), None)
+    assert all(bar.get_width() > axes.get_xlim()[0] for bar in axes.patches)
 
 
 def test_how_far_an_error_has_fallen_is_told_of_its_channel_and_nothing_is_not_less_than_nothing() -> None:

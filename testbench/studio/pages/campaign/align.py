@@ -12,7 +12,7 @@ from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT
 from testbench.recordings.manifest import CSV
 from testbench.report.figures.motion_figures import alignment
-from testbench.report.words import clocks_in_words
+from testbench.report.words import sentence
 from testbench.studio.memory import stamp
 from testbench.studio.parts.address import Address, span_of
 from testbench.studio.parts.picture import ZoomingPlot
@@ -36,7 +36,7 @@ async def page(studio: Studio, c: str = "", start: str = "", end: str = "") -> N
     with working("Comparing the recording with its program"):
         result = await aside(_found, studio, c)
     found, on_plan = result.alignment, result.recording
-    ui.label(clocks_in_words(found.delay_s, found.drift_ppm, on_plan.duration_s)).classes("verdict")
+    ui.label(sentence(result.words[0])).classes("verdict")
     facts(
         [
             ("the plan began, on the recorder's clock", f"{round(found.delay_s, 3) + 0.0:+.3f} s"),
@@ -77,7 +77,7 @@ def _keep(studio: Studio, c: str) -> None:
             "Keep it on the plan's clock", "A new campaign with the planned displacement as a channel of its own."
         )
         with ui.row().classes("items-center"):
-            name = ui.input("Campaign name", value=f"{c}-aligned").props("outlined dense").style("min-width:300px")
+            name = ui.input("Campaign name", value=f"{c}-aligned").style("min-width:300px")
             button("Write it", "save", lambda: start(), "outline")
         holder = ui.column().classes("w-full")
 

@@ -133,10 +133,10 @@ def _choose(studio: Studio, c: str, on: str, where: Address, held: str) -> None:
     beside = where.query["beside"] if where.query["beside"] in models else ""
     with ui.row().classes("items-center justify-between w-full"):
         with ui.row().classes("items-center gap-2"):
-            choice = ui.select(names, value=on, label="Compared with the recording of").props("outlined dense")
+            choice = ui.select(names, value=on, label="Compared with the recording of")
             choice.style("width:min(320px, 84vw)")
             choice.on_value_change(lambda event: where.go(on=event.value, start="", end=""))
-            second = ui.select(models, value=beside, label="A second model beside it").props("outlined dense")
+            second = ui.select(models, value=beside, label="A second model beside it")
             second.style("width:min(240px, 84vw)").on_value_change(lambda event: where.go(beside=event.value))
         with ui.row().classes("items-center gap-2"):
             quantity_toggle(where)

@@ -85,8 +85,8 @@ def _form(studio: Studio, c: str, target: str) -> None:
             "Train on this campaign", "A bank of exponential smoothers and small networks learn from it alone."
         )
         with ui.row().classes("items-center"):
-            aim = ui.select(list(NEEDED), value=target, label="Predict").props("outlined dense").style("width:150px")
-            network = ui.select(NETWORKS, value=AUTO, label="Method").props("outlined dense").style("width:370px")
+            aim = ui.select(list(NEEDED), value=target, label="Predict").style("width:150px")
+            network = ui.select(NETWORKS, value=AUTO, label="Method").style("width:370px")
             judging = _Judging(studio, c, target)
             network.on_value_change(lambda event: judging.offer(event.value))
         judging.tell_here(str(network.value))
@@ -117,7 +117,7 @@ class _Judging:
         self.target = target
         self.same, rest = (_scorable(studio, names, target) for names in companions(studio, c))
         self.lasts_s = {name: lasts_s(studio.workspace.campaign(name).folder / CSV) for name in [*self.same, *rest]}
-        self.field = ui.select([], value=[], multiple=True, label="Judged on").props("outlined dense use-chips")
+        self.field = ui.select([], value=[], multiple=True, label="Judged on").props("use-chips")
         self.field.style("min-width:min(280px, 84vw)")
 
     def tell_here(self, method: str) -> None:

@@ -46,7 +46,7 @@ def add_fit_form(studio: Studio, c: str, again: bool = False) -> None:
             value = models.held_out_of(studio, c) if again else value
         with ui.row().classes("items-start"):
             held = ui.select(choices, value=value, label="Held out")
-            held.props("outlined dense").style("min-width:min(300px, 84vw)")
+            held.style("min-width:min(300px, 84vw)")
             play = number_field(PLAY, None, positive=False, optional=True).props('hint="empty: not clamped anew"')
             play.tooltip("where the sensor was clamped anew: by how much the zero of its displacement may have moved")
             rest = number_field(REST, None, optional=True).props('hint="empty: it is of a fresh specimen"')

@@ -11,7 +11,7 @@ from urllib.parse import quote
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.comparing.words import spoken
+from testbench.comparing.words import listed, spoken
 from testbench.report.figures import diagnosis_figures
 from testbench.report.figures import ladder_figures as figures
 from testbench.report.figures.comparison_figures import busiest_window
@@ -116,7 +116,8 @@ class _Ladder:
 
     def _why(self, step: int, diagnosis: Mapping[str, Any]) -> None:
         """The diagnosis that led to a step, as it was then."""
-        title = f"The diagnosis that led to step {step}, {self.steps[step].label.removeprefix('+ ')}"
+        found = listed([spoken(one["law"]) for one in diagnosis["found"]])
+        title = f"The diagnosis before step {step}{f': it found {found}' if found else ''}"
         with ui.expansion(title, icon="search").classes("card").style("padding:0"):
             ui.label(verdict_in_words(diagnosis)).style("font-weight:600")
             if diagnosis["ranking"]:

@@ -63,7 +63,7 @@ def _ask(studio: Studio, c: str) -> None:
         )
         with ui.row().classes("items-start"):
             name = ui.input("Name of the law", value=proposed_law.free_law_name(studio, c))
-            name.props("outlined dense bottom-slots").style("min-width:220px")
+            name.props("bottom-slots").style("min-width:220px")
             most = number_field("Laws at most", 1, most=MOST_ASKED)
         button("Look for a law", "auto_awesome", lambda: start())
         holder = ui.column().classes("w-full")
