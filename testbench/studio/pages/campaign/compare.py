@@ -201,7 +201,7 @@ def _notes(studio: Studio, c: str, found: ComparisonResult) -> list[str]:
     beyond = beyond_calibration(prepare(studio.workspace.recording(c)), found.measurement)
     source = f"{found.measurement.recording.source}: "
     told = [note.removeprefix(source) for note in (beyond, *found.notes) if note]
-    told = [note.replace("say --clamp-play-mm", f"fit the baseline anew with “{PLAY}”") for note in told]
+    told = [note.replace("say `clamp_play_mm`", f"fit the baseline anew with “{PLAY}”") for note in told]
     return [note[0].upper() + note[1:] + "." for note in told]
 
 

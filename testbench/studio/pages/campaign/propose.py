@@ -112,7 +112,7 @@ def _errors(found: proposed_law.Proposal) -> list[tuple[str, str]]:
     for channel, before in found.error_before.items():
         after, floor, unit = found.error_after[channel], found.noise_floor[channel], PANEL_UNITS[channel]
         fall = f"{plain(before)} → {plain(after)} {unit}" if found.laws else f"{plain(before)} {unit}"
-        pairs.append((f"held-out {channel}{', without and with it' if found.laws else ''}", fall))
+        pairs.append((f"held-out {channel}, refitted{' without and with it' if found.laws else ''}", fall))
         pairs.append((f"noise floor of the {channel}", f"{plain(floor)} {unit}"))
     return pairs
 

@@ -1,9 +1,10 @@
-"""What a compensator can be judged on: recordings that last as long as it may remember."""
+"""What a compensator and a model are judged on, and what the pages say of that."""
 
 from __future__ import annotations
 
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from nicegui import ui
@@ -12,8 +13,11 @@ from nicegui.testing import User
 from compensation.memories.ema import PAPER_RATE_HZ, smoothing_factors
 from compensation.training import learners
 from compensation.training.tuning import BANKS
+from testbench.comparing import clamping
+from testbench.knit.catalogue import baseline
+from testbench.measurements.preparing import prepare
 from testbench.studio.lasting import lasts_s
-from testbench.studio.pages.campaign import compensate
+from testbench.studio.pages.campaign import compare, compensate
 from testbench.studio.pages.campaign.compensate import REMEMBERS_S, TUNED_REMEMBERS_S
 from testbench.studio.studio import Studio
 
@@ -78,3 +82,14 @@ def test_a_file_without_samples_lasts_no_time(tmp_path: Path, text: str) -> None
 def test_half_a_row_at_the_end_is_none(tmp_path: Path) -> None:
     (tmp_path / "recording.csv").write_text("a,time_s\n1,2.5\n" + "1,4\n" * 9000 + "1,7.5\n1,")
     assert lasts_s(tmp_path / "recording.csv") == 5
+
+
+def test_the_page_says_where_the_play_of_the_clamps_is_given(studio: Studio, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the library calls it says nothing to who looks at a page."""
+    held = prepare(studio.workspace.recording("sleeve"))
+    errors = iter(({"force": 1.0}, {"force": 0.1}, {"force": 0.2}))
+    monkeypatch.setattr(clamping, "rms_errors", lambda *_, **__: next(errors))
+    note = clamping.may_be_clamped_anew(baseline(), held)
+    (told,) = compare._notes(studio, "sleeve", SimpleNamespace(measurement=held, notes=(note,)))
+    assert told.startswith("Counted 0.5 mm less far")
+    assert told.endswith("if the sensor was clamped anew, fit the baseline anew with “Play of the clamps / mm”.")
