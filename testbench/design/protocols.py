@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -73,6 +73,34 @@ class Bounds:
     def speed(self, stroke_s: float) -> float:
         """Speed that takes `stroke_s` for the whole stroke, at most the fastest."""
         return min(self.stroke_mm / stroke_s, self.fast_mm_per_s)
+
+
+# The gauge length is the sensor's, which is said once, beside them.
+ALLOWED = tuple(one.name for one in fields(Bounds) if one.name != "gauge_length_mm")
+
+
+def bounds_with(said: Mapping[str, float], gauge_length_mm: float) -> Bounds:
+    """The bounds with the fields that were said, for a sensor of this length.
+
+    Parameters
+    ----------
+    said : mapping
+        Fields of `testbench.Bounds` that differ from its defaults.
+    gauge_length_mm : float
+
+    Raises
+    ------
+    UserError
+        If there is no such field, a value is not positive, or another gauge length was said than the sensor has.
+    """
+    if "gauge_length_mm" in said and said["gauge_length_mm"] != gauge_length_mm:
+        raise UserError(
+            f"bounds: the gauge length is {gauge_length_mm:g} mm, got {said['gauge_length_mm']!r}; for a sensor of "
+            "another length give gauge_length_mm beside bounds"
+        )
+    if strange := sorted(map(str, set(said) - {*ALLOWED, "gauge_length_mm"})):
+        raise UserError(f"bounds: allowed are {', '.join(ALLOWED)}; got {', '.join(strange)}")
+    return Bounds(**{**said, "gauge_length_mm": gauge_length_mm})
 
 
 def menu(bounds: Bounds) -> dict[str, TrajectorySpec]:

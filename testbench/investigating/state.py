@@ -12,8 +12,7 @@ from gcode.support.errors import UserError
 from gcode.support.files import write_json
 from gcode.support.strict import NamedModel, StrictModel, load
 from testbench.design.forecast import Likely, Reading
-from testbench.design.limits import bounds_with
-from testbench.design.protocols import Bounds, menu
+from testbench.design.protocols import Bounds, bounds_with, menu
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.measurements.responses import UNIT_OF
 from testbench.recordings.stored import GaugeLength, Label, Remark, Sha256, checked_model

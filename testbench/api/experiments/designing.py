@@ -19,8 +19,7 @@ from testbench.design import experiment
 from testbench.design.experiment import Option
 from testbench.design.experiment_words import experiment_table, verdict
 from testbench.design.imitation import Rival
-from testbench.design.limits import bounds_with
-from testbench.design.protocols import Bounds, menu
+from testbench.design.protocols import Bounds, bounds_with, menu
 from testbench.design.rivals import rivals_from_diagnosis, rivals_of, told_apart
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import FloatArray

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,10 +12,11 @@ from gcode.support.errors import UserError
 from gcode.support.files import check_place, existing_file
 from gcode.support.html import card
 from gcode.support.kinds import flag, path_of
-from testbench.api.files.wish_words import in_python
 from testbench.campaigns.clearing import check_vacant, replaced
 from testbench.importing import from_file
+from testbench.importing.choice import FLAGS, UNIT_FLAGS
 from testbench.importing.imported import Imported, place_of, write_import
+from testbench.importing.sheet import Hints
 from testbench.importing.wish import Wish
 from testbench.recordings.files import write_recording_csv
 from testbench.recordings.recording import Recording
@@ -22,6 +24,23 @@ from testbench.recordings.recording import Recording
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
+
+# A message of the import names options of the command line: in Python each is a field of `testbench.Wish`.
+OPTION = re.compile(r"(?<![\w./\\-])--[a-z][a-z0-9-]*")  # a word of its own: a file may be called day--force.csv
+FIELDS = {
+    "--gauge-length-mm": "gauge_length_mm=...",
+    "--rate-hz": "rate_hz=...",
+    "--rest-ohm": "r0_ohm=...",
+    "--repeat": "repeat=...",
+    "--drop-bad": "drop_bad=True",
+    "--sort": "sort=True",
+    "--time-of": "time_of={'force': ...}",
+    "--zero": "zero={'force': ...}",
+    "--negate": "negate={'force'}",
+    **{f"--{one.name.replace('_', '-')}": f"hints=Hints({one.name}=...)" for one in fields(Hints)},
+    **{flag: f"columns={{{role!r}: ...}}" for role, flag in FLAGS.items()},
+    **{flag: f"units={{{flag.removeprefix('--').removesuffix('-unit')!r}: ...}}" for flag in UNIT_FLAGS.values()},
+}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -184,3 +203,12 @@ def import_file(path: str | Path, wish: Wish | None = None, *, gauge_length_mm: 
 def imported(path: str | Path, wish: Wish) -> ImportResult:
     """As `import_file`, whose messages name the options of the command line."""
     return ImportResult(tuple(from_file.import_file(existing_file(path), wish)))
+
+
+def in_python(text: str) -> str:
+    """A message of the import, and behind it which fields the options are that it names.
+
+    ``say --force-unit (N, kN)`` goes on ``(in Python, of testbench.Wish: --force-unit is units={'force': ...})``.
+    """
+    named = [f"{flag} is {FIELDS[flag]}" for flag in dict.fromkeys(OPTION.findall(text)) if flag in FIELDS]
+    return f"{text} (in Python, of testbench.Wish: {', '.join(named)})" if named else text

@@ -133,7 +133,7 @@ def contribution(
     catalogue = catalogue_of(effects)
     data = checked_diagnosis(diagnosis, "diagnosis") if isinstance(diagnosis, Mapping) else diagnosis_data(diagnosis)
     effect = _candidate(data, law, catalogue)
-    if not data["history"]:
+    if not data.get("history"):
         raise UserError("contribution: the diagnosis keeps no models; diagnose anew")
     before = step_before(data["history"], len(data["found"]))
     without = model_from_dict(before["model"], catalogue, "diagnosis")

@@ -56,7 +56,7 @@ def ranking(evidence: Sequence[tuple[str, float]]) -> style.Figure:
     top = max(float(lengths.max()), 10 * DECISIVE)
     axes = {
         "xaxis": style.axis(
-            "Expected evidence against the wrong model (log odds)",
+            "Expected evidence (log odds)",
             **style.log_ticks([BEGIN, top * 1.5]),
             anchor="y",
             range=[float(np.log10(BEGIN)), float(np.log10(top * 1.5))],

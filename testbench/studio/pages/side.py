@@ -8,7 +8,6 @@ from typing import Any
 
 from nicegui import ui
 
-from gcode.support.errors import UserError
 from testbench.comparing.words import spoken
 from testbench.diagnosis.verdict import verdict_clauses
 from testbench.recordings.recording import Recording
@@ -22,7 +21,7 @@ from testbench.studio.beside import IN_BRACKETS, fitted_value, parameters_of
 from testbench.studio.pages.campaign.compensate import score_path
 from testbench.studio.parts.address import Address, address
 from testbench.studio.parts.picture import plot
-from testbench.studio.parts.widgets import KOHM, aside, guarded, heading, quantity_toggle, table
+from testbench.studio.parts.widgets import KOHM, aside, guarded, heading, invitation, quantity_toggle, table, way_on
 from testbench.studio.studio import Studio
 
 
@@ -41,7 +40,9 @@ async def page(studio: Studio, a: str = "", b: str = "", show: str = "") -> None
     """Campaigns `a` and `b`."""
     heading("Side by side", "Two recordings and their models.")
     if not a or not b:
-        raise UserError("choose two campaigns in the list, and compare them side by side")
+        with invitation("Nothing is compared yet", "Choose two campaigns in the list, and compare them."):
+            way_on("Campaigns", "grid_view", "/")
+        return
     where = Address("/side", a=a, b=b, show=show)
     quantity_toggle(where)
     kohm = show == KOHM

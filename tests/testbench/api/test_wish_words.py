@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import testbench as tb
-from testbench.api.files.wish_words import FIELDS, in_python
+from testbench.api.files.importing import FIELDS, in_python
 
 ROOT = Path(__file__).parents[3]
 

@@ -9,8 +9,7 @@ import pytest
 
 import testbench as tb
 from gcode.support.errors import UserError
-from testbench.design.limits import ALLOWED, bounds_with
-from testbench.design.protocols import MENU, Bounds
+from testbench.design.protocols import ALLOWED, MENU, Bounds, bounds_with
 from tests.testbench.investigating.samples import asked
 
 STRANGE = "bounds: allowed are v_max_mm_per_s, a_max_mm_per_s2, strain_max_percent, duration_s; got speed"

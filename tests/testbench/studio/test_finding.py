@@ -180,7 +180,7 @@ async def test_two_campaigns_stand_side_by_side(user: User, studio: Studio, fitt
     await user.open("/side?a=sleeve&b=strip")
     await user.should_see("strip: the whole recording.", retries=50)
     await user.open("/side?a=sleeve")
-    await user.should_see("choose two campaigns")
+    await user.should_see("Choose two campaigns")
 
 
 def test_nobody_elses_recording_is_chosen_silently(studio: Studio) -> None:
