@@ -17,12 +17,13 @@ from testbench.comparing.clamping import Zero, may_be_clamped_anew, moved, zero_
 from testbench.comparing.model_errors import channel_name, noise_floors
 from testbench.comparing.remounting import remounted
 from testbench.knit.model import KnitModel
-from testbench.measurements.joining import last_of
+from testbench.measurements.joining import last_of, of_several
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.preparing import prepare
 from testbench.measurements.responses import UNIT_OF
 from testbench.measurements.splitting import check_play, split
 from testbench.recordings.between import Between
+from testbench.recordings.doubts import say_once
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import ModelFile, same_source
 
@@ -109,7 +110,7 @@ def judged(
         measurement = last_of([before, recording], [rest_s])
     else:
         measurement = prepare(recording)
-        doubt = "" if rest_s is None else _taken_for_fresh(file, recording)
+        doubt = _taken_for_fresh(file, recording) if is_held_out else ""
     zero = kept_zero(file) if is_held_out else None
     if clamp_play_mm:
         zero = zero_of(file.model, replace(measurement, clamp_play_mm=clamp_play_mm))
@@ -119,9 +120,12 @@ def judged(
 
 
 def _taken_for_fresh(file: ModelFile, recording: Recording) -> str:
+    """What to say where a held-out recording is judged without what its specimen had gone through; else empty."""
+    if file.between.rest_s is None and not of_several(file.fitted_on):
+        return ""
     return (
-        f"{recording.source}: judged as of a fresh specimen; it is of that of {file.fitted_on}, which is not there "
-        "to say what it had gone through"
+        f"{recording.source}: judged as of a fresh specimen; it is of that of {file.fitted_on}, not there to say "
+        "what it had gone through: its errors are not those of the ladder"
     )
 
 
@@ -166,6 +170,8 @@ def check_judged_on(held: Measurement, step: Mapping[str, Any]) -> None:
 
 def held_samples(file: ModelFile, recording: Recording, held_out: Recording | None) -> Measurement:
     """Held-out samples as the last step of a ladder judged them: of `held_out`, or the last third of `recording`."""
+    if held_out and of_several(file.fitted_on):
+        say_once(_taken_for_fresh(file, held_out))
     rested = Between(rest_s=file.between.rest_s if held_out else None)
     held, zero = split(recording, held_out, between=rested)[1], kept_zero(file)
     return moved(held, zero.shift_mm) if zero else held

@@ -12,7 +12,7 @@ import testbench as tb
 from gcode.support.errors import UserError
 from testbench.cli import main
 from testbench.comparing.clamping import moved
-from testbench.comparing.judged import judged
+from testbench.comparing.judged import held_samples, judged
 from testbench.comparing.ladder import on_the_ladder
 from testbench.comparing.remounting import held_errors
 from testbench.fitting.fit import fit
@@ -131,3 +131,13 @@ def test_a_model_without_a_law_for_a_channel_is_one_sentence(own, tmp_path, caps
     ModelFile(force_only, 25.0).save(model)
     assert main(["compare", path, "--model", str(model)]) == 2
     assert "has a conductance, and the model (elasticity, hysteresis) simulates none" in capsys.readouterr().err
+
+
+def test_what_several_recordings_were_before_is_missed_aloud(own, anew, caplog) -> None:
+    """Diagnosed as one history, they make another error of what is held out than it has alone."""
+    file = ModelFile(truth(), 25.0, fitted_on="2 recordings", held_out=anew.source)
+    words = "judged as of a fresh specimen; it is of that of 2 recordings, not there to say what it had gone through"
+    assert words in judged(file, anew).doubt
+    assert judged(file, own).doubt == ""
+    held_samples(file, own, anew)
+    assert words in caplog.text
