@@ -9,6 +9,7 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench.cli import main
+from testbench.design import experiment
 from testbench.design.ahead import planned
 from testbench.design.experiment import propose
 from testbench.design.imitation import Rival
@@ -122,6 +123,17 @@ def test_a_minute_is_long_enough_for_an_experiment():
     made = drivable(Bounds(duration_s=60), seed=1)
     assert len(made) > 10
     assert all(one.trajectory.duration_s <= 60 for one in made.values())
+
+
+def test_of_two_rivals_of_which_one_is_a_case_of_the_other_the_larger_one_can_be_told(monkeypatch):
+    """It imitates the smaller one on every motion, and no motion was found to tell them apart."""
+    short = Bounds(duration_s=60)
+    alone = {NOISE: drivable(short, 1)[NOISE]}
+    monkeypatch.setattr(experiment, "drivable", lambda *_: alone)
+    relaxing = Rival("relaxing", truth().plus(CATALOGUE["stress_relaxation"]().replaced(fraction=0.3)))
+    (option,) = propose([Rival("base", truth()), relaxing], FLOORS, short)
+    assert (option.hardest.truth, option.hardest.imitator) == ("relaxing", "base")
+    assert option.grade == "decisive"
 
 
 def test_the_same_model_twice_is_refused():
