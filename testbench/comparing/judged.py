@@ -148,12 +148,7 @@ def kept_zero(file: ModelFile) -> Zero | None:
 
 
 def check_judged_on(held: Measurement, step: Mapping[str, Any]) -> None:
-    """Refuse held-out samples that a step of a ladder was not judged on; their noise floors tell them.
-
-    Raises
-    ------
-    UserError
-    """
+    """Refuse held-out samples that a step of a ladder was not judged on; their noise floors tell them."""
     kept, here = step["noise_floor"], noise_floors(held)
     # Of several recordings in a row a sample at either end may count or not.
     if kept.keys() == here.keys() and all(math.isclose(kept[c], here[c], rel_tol=SAME_FLOOR) for c in here):

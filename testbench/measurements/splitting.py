@@ -78,12 +78,7 @@ def _recorded_until(recording: Recording, share: float) -> float:
 
 
 def check_play(recording: Recording, clamp_play_mm: float) -> None:
-    """Refuse a play that no clamp has.
-
-    Raises
-    ------
-    UserError
-    """
+    """Refuse a play that no clamp has."""
     most_mm = MOST_PLAY * recording.gauge_length_mm
     if not isinstance(clamp_play_mm, int | float) or not 0 <= clamp_play_mm <= most_mm:
         raise UserError(

@@ -190,12 +190,7 @@ def same_source(kept: str, source: str) -> bool:
 
 
 def check_same_set_up(file: ModelFile, recording: Recording, path: str | Path) -> None:
-    """Refuse to compare a model with a recording of another gauge length, or of a channel that it knows nothing of.
-
-    Raises
-    ------
-    UserError
-    """
+    """Refuse a recording of another gauge length than the model's, or of a channel that it knows nothing of."""
     if file.history:
         fitted = file.history[-1]["errors"]["calibration"]
         for channel, column in MEASURED_AS.items():

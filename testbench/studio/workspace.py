@@ -64,10 +64,6 @@ class Campaign:
 class Workspace:
     """A folder of campaigns and the results made from them.
 
-    Parameters
-    ----------
-    root : path
-
     Raises
     ------
     UserError
