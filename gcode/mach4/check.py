@@ -39,7 +39,7 @@ class CheckResult:
     problems : tuple of Problem
         Where it is empty, the program may run.
     statistics : MotionStatistics or None
-        Of the motion as executed; None where it was not executed.
+        Of the motion as executed, and the range of its turns; None where it was not executed.
     executed : Trajectory or None
         That motion, sampled at the rate of the check.
     """
@@ -115,7 +115,11 @@ def check_program(
         found, executed = _executed(program, motion, rate_hz, limits)
         hint = "" if machine else _other_controller(program, limits)
         problems += [Problem(one.line, one.reason + hint) for one in found]
-    statistics = motion_statistics(executed.position_mm, rate_hz) if executed else None
+    statistics = None
+    if executed:
+        turns_mm = np.append(program.position_mm, program.start_mm)  # the axis turns at the ends of blocks only
+        range_mm = {"x_min_mm": float(turns_mm.min()), "x_max_mm": float(turns_mm.max())}
+        statistics = motion_statistics(executed.position_mm, rate_hz).model_copy(update=range_mm)
     return CheckResult(tuple(sorted(problems, key=lambda problem: problem.line)), statistics, executed)
 
 

@@ -12,7 +12,7 @@ from typing import Annotated
 from pydantic import Field
 
 from gcode.mach4.program import Program
-from gcode.motion.blocks import Motion, drive
+from gcode.motion.blocks import LOOK_AHEAD_BLOCKS, Motion, drive
 from gcode.support.errors import UserError
 from gcode.support.kinds import instance, number
 from gcode.trajectories.quantities import Positive, SpecModel
@@ -47,7 +47,7 @@ class Machine(SpecModel):
 
     acceleration_mm_per_s2: Positive = DEFAULT_ACCELERATION_MM_PER_S2
     rapid_mm_per_s: Positive = 50.0
-    look_ahead_blocks: Annotated[int, Field(ge=1, le=100_000)] = 20
+    look_ahead_blocks: Annotated[int, Field(ge=1, le=100_000)] = LOOK_AHEAD_BLOCKS
     corner_mm_per_s: float = Field(default=0.0, ge=0, allow_inf_nan=False)
 
 

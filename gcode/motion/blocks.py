@@ -13,6 +13,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 
+LOOK_AHEAD_BLOCKS = 20  # that a controller sees: Mach4's default
 MOST_SAMPLES = 50_000_000  # of a motion: 400 MB a column
 _AT_ONCE = 1 << 18  # phases whose speeds are compared at once: a day's program has 5 million
 

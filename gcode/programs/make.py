@@ -115,7 +115,9 @@ class Made:
         spec, limits, told = self.spec.model_copy(update={"pieces": designed}), self.spec.limits, []
         asked, reached = slowest_stroke(spec, self.gauge_length_mm)
         if reached < (1.0 - MISSED) * asked:
-            told.append(f"{asked:.3g} mm/s are asked for where these limits let the axis reach {reached:.3g} mm/s")
+            told.append(
+                f"{asked:.3g} mm/s are asked for where limits and rate_hz let the axis reach {reached:.3g} mm/s"
+            )
         if limits.j_max_mm_per_s3 is not None:
             path = whole_path(spec, self.seed, self.gauge_length_mm, limits.v_max_mm_per_s, limits.a_max_mm_per_s2)
             asked_mm, reached_mm = (float(np.ptp(one.position_mm)) for one in (path, self.trajectory))

@@ -7,7 +7,7 @@ from numbers import Integral
 
 import numpy as np
 
-from gcode.motion.blocks import drive
+from gcode.motion.blocks import LOOK_AHEAD_BLOCKS, drive
 from gcode.motion.limits import drive_within, path_blocks, sampled_positions
 from gcode.motion.path import Frame, Path, join, way
 from gcode.support.errors import UserError
@@ -58,12 +58,14 @@ def plan(spec: TrajectorySpec, seed: int, gauge_length_mm: float, *, reserve: fl
         beyond = excesses(trajectory.position_mm, spec.rate_hz, spec.limits)
         if not beyond:
             return trajectory
-    raise UserError(f"limits: {beyond[0].at(spec.rate_hz)}; raise the limit or ask for a slower motion")
+    told = f"limits: {beyond[0].at(spec.rate_hz)}"
+    raise UserError(f"{told}; raise that limit, lower the spec's rate_hz, or ask for a slower motion")
 
 
 def _within(spec: TrajectorySpec, seed: int, gauge_length_mm: float, margin: float) -> Trajectory:
     decimals = position_decimals(spec.rate_hz)
-    v_max = max(spec.limits.v_max_mm_per_s - 10.0**-decimals * spec.rate_hz, 0.9 * spec.limits.v_max_mm_per_s)
+    usable = _usable_speed(spec)
+    v_max = max(usable - 10.0**-decimals * spec.rate_hz, 0.9 * usable)
     a_max = _usable_acceleration(spec) * margin
     path = whole_path(spec, seed, gauge_length_mm, v_max, a_max)
     _check_samples(float(path.duration_s.sum()) * spec.rate_hz)
@@ -78,6 +80,17 @@ def _within(spec: TrajectorySpec, seed: int, gauge_length_mm: float, margin: flo
 
 def _usable_acceleration(spec: TrajectorySpec) -> float:
     return min(spec.limits.a_max_mm_per_s2, _FOLLOWED * spec.controller_acceleration_mm_per_s2)
+
+
+def _usable_speed(spec: TrajectorySpec) -> float:
+    """The limit, or the speed from which the controller can stop within the blocks that it sees, one a sample.
+
+    These grow shorter while the plan slows down at its acceleration a. In T s of sight lie v T - a T^2 / 2, and a
+    controller of acceleration A needs v^2 / (2 A).
+    """
+    controller = spec.controller_acceleration_mm_per_s2
+    in_sight = controller * LOOK_AHEAD_BLOCKS / spec.rate_hz
+    return min(spec.limits.v_max_mm_per_s, in_sight * (1.0 + np.sqrt(1.0 - _usable_acceleration(spec) / controller)))
 
 
 def _check_jerk(spec: TrajectorySpec) -> None:
@@ -109,7 +122,7 @@ def whole_path(
 
 def slowest_stroke(spec: TrajectorySpec, gauge_length_mm: float) -> tuple[float, float]:
     """The speed asked for, and the one that the limits allow (mm/s), where these are furthest apart."""
-    v_max, a_max = spec.limits.v_max_mm_per_s, spec.limits.a_max_mm_per_s2
+    v_max, a_max = _usable_speed(spec), spec.limits.a_max_mm_per_s2
     blocks = path_blocks(whole_path(spec, 0, gauge_length_mm, v_max, a_max), np.inf)
     moving = blocks.length_mm != 0
     if not moving.any():

@@ -31,7 +31,7 @@ AMPLE = 5.0  # times the limit: a controller of so much acceleration follows any
 
 def position_decimals(rate_hz: float) -> int:
     """Decimals of a position: 4 up to 50 Hz; more at higher rates, where rounding would look like acceleration."""
-    return 4 if rate_hz <= 50 else 5 if rate_hz <= 150 else 6
+    return 4 if rate_hz <= 50 else 5 if rate_hz <= 150 else 6 if rate_hz <= 500 else 7
 
 
 class TrajectorySpec(SpecModel):

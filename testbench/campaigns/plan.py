@@ -37,6 +37,7 @@ class Plan:
     model : KnitModel
     gauge_length_mm : float
     seed : int
+        Of noise and sampling times; each recording of one sensor has its own of them.
     sensor : str
         Name of the preset, or of the file that the model came from.
     instruments : Instruments
@@ -79,7 +80,8 @@ class Plan:
         """The rig that will play this plan along `motion`."""
         earlier = [_played(path, sha256_of(path), self.gauge_length_mm) for path in self.past]
         past_mm = past_displacement(earlier, self.rest_s, float(motion.displacement_mm[0]))
-        return SimulatedRig(self.model, motion, self.gauge_length_mm, self.seed, self.instruments, past_mm)
+        gauge, tools, before = self.gauge_length_mm, self.instruments, len(self.past)
+        return SimulatedRig(self.model, motion, gauge, self.seed, tools, past_mm, before)
 
     def wire_lines(self, motion: Motion) -> list[bytes]:
         """All lines that the rig sends to a port while it plays this plan along `motion`, and then stands still."""

@@ -175,6 +175,11 @@ def test_speeds_that_change_in_step_with_the_samples_are_seen():
     assert "executed" in str(result.problems[0])
 
 
+def test_the_range_is_that_of_the_turns_not_of_the_samples():
+    found = check("G90 G21 G94\nG1 X7.03 F120\nG1 X-1.04 F120\nG1 X0 F120\nM30\n", LIMITS).statistics
+    assert (found.x_min_mm, found.x_max_mm) == (-1.04, 7.03)
+
+
 def test_our_own_program_passes_at_its_limits_and_fails_below_them():
     program = parse_program(make(preset("paper-1"), 51, 25.0).program)
     assert check_program(program, Limits(v_max_mm_per_s=4.4, a_max_mm_per_s2=20, x_min_mm=0, x_max_mm=7.5)).ok

@@ -61,6 +61,20 @@ def test_zero_is_told_as_zero():
     assert made.statistics.model_copy(update={"x_max_mm": -1e-9}).lines()[0].endswith("-2.500 to 0.000 mm")
 
 
+@pytest.mark.parametrize(
+    ("rate_hz", "a_max_mm_per_s2", "asked"),
+    [(20.0, 5.0, 5.0), (200.0, 5.0, 9.0), (500.0, 20.0, 9.0), (1000.0, 20.0, 5.0)],
+)
+def test_a_plan_is_no_faster_than_a_controller_that_sees_so_many_blocks_can_be(rate_hz, a_max_mm_per_s2, asked):
+    """Twenty blocks are a tenth of a second at 200 Hz: the program was refused by its own check, between samples."""
+    limits = gcode.Limits(a_max_mm_per_s2=a_max_mm_per_s2)
+    spec = TrajectorySpec.of(Triangle(high_percent=50, speed_mm_per_s=asked), rate_hz=rate_hz, limits=limits)
+    made = gcode.generate(spec, seed=1, gauge_length_mm=40)
+    reached = made.statistics.v_max_mm_per_s
+    assert (reached < 0.95 * asked) == any("let the axis reach" in note for note in made.notes())
+    assert (reached > 0.95 * asked) == (rate_hz == 20)
+
+
 def test_what_a_jerk_limit_takes_from_a_stroke_is_noted():
     """It was not: a triangle to 5 mm went to 4.1 mm, and nobody was told."""
     triangle = Triangle(high_percent=20, speed_mm_per_s=2)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from gcode.support.console import MOST_PROCESSES, Progress
 from gcode.support.errors import UserError
-from gcode.support.files import make_folder
 from gcode.support.html import card, frame_table
 from gcode.support.kinds import path_of, whole
 from testbench.api.arguments import own_file
@@ -130,11 +129,10 @@ def dataset(
         raise UserError(f"workers: must be 1 to {MOST_PROCESSES}, or -1 for one a core, got {workers}")
     if scheduler is not None and not (isinstance(scheduler, str) and scheduler):
         raise UserError(f"scheduler: must be an address such as tcp://10.0.0.5:8786, got {scheduler!r}")
-    spec, folder, own = path_of(spec, "TOML file"), path_of(folder, "folder"), own_file(effects)
+    spec, out, own = path_of(spec, "TOML file"), path_of(folder, "folder"), own_file(effects)
     wanted = read_spec(spec)
-    if is_campaign(folder):
-        raise UserError(f"{folder}: is a campaign itself; choose another folder for the data set")
-    out = make_folder(folder)
+    if is_campaign(out):
+        raise UserError(f"{out}: is a campaign itself; choose another folder for the data set")
     with OneAtATime(out):
         tasks = tasks_of(wanted, spec.parent, out, own)
         with cluster(scheduler):

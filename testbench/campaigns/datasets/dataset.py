@@ -9,11 +9,12 @@ from __future__ import annotations
 import fcntl
 import os
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from gcode.support import strict
 from gcode.support.errors import UserError
-from gcode.support.files import clear_drafts, sha256_of, write_text
+from gcode.support.files import clear_drafts, make_folder, sha256_of, write_text
 from testbench.campaigns.campaign import matches, simulate_campaign
 from testbench.campaigns.datasets.index import write_entries
 from testbench.campaigns.datasets.splits import SPLITS, split_of
@@ -111,7 +112,9 @@ def drop_stale_parquet(out: Path, tasks: Sequence[Task]) -> int:
 
 
 class OneAtATime:
-    """Holds a folder for one `dataset` command, and clears away the drafts of killed workers.
+    """Makes a folder and holds it for one `dataset` command, and clears away the drafts of killed workers.
+
+    A folder that it made, and in which nothing came to be, goes again.
 
     Raises
     ------
@@ -123,6 +126,8 @@ class OneAtATime:
         self._out, self._path = out, out / ".lock"
 
     def __enter__(self) -> OneAtATime:
+        self._new = [folder for folder in (self._out, *self._out.parents) if not folder.exists()]
+        make_folder(self._out)
         # Where the command before has taken its lock away since that was opened, nobody else would see this one.
         while not os.fstat(handle := self._locked()).st_nlink:
             os.close(handle)
@@ -145,6 +150,9 @@ class OneAtATime:
     def __exit__(self, *_: object) -> None:
         self._path.unlink(missing_ok=True)
         os.close(self._handle)
+        with suppress(OSError):
+            for folder in self._new:
+                folder.rmdir()
 
 
 def _there(folder: Path, plan: Plan) -> bool:

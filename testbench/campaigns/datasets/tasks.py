@@ -72,8 +72,11 @@ def tasks_of(spec: DatasetSpec, base: Path, out: Path, effects: Path | None = No
     Raises
     ------
     UserError
-        If a sensor, a program or a varied parameter is not there: before anything runs, not after an hour.
+        If a sensor, a program or a varied parameter is not there, or effects are named here alone: before anything
+        runs, not after an hour.
     """
+    if effects and not spec.effects:
+        raise UserError(f"effects: the spec names none, got {effects}; name the file in the spec, or leave it out")
     own = named_effects(out, base / spec.effects, effects).absolute() if spec.effects else None
     _catalogue(own)  # a file without effects is refused, whether or not a sensor asks for them
     models = {sensor: _model(sensor, base, own) for sensor in spec.sensors}

@@ -94,6 +94,8 @@ class SimulatedRig:
     past_mm : ndarray, shape (m,)
         The stage's displacement before the motion, on the motion's grid; empty: the sensor has never been stretched.
         See `testbench.rig.simulation.past`.
+    before : int
+        How many recordings were made of the sensor before: with one seed, each has chance of its own.
     """
 
     model: KnitModel
@@ -102,6 +104,7 @@ class SimulatedRig:
     seed: int
     instruments: Instruments = field(default_factory=Instruments)
     past_mm: FloatArray = field(default_factory=lambda: np.zeros(0))
+    before: int = 0
 
     def truth(self) -> Truth:
         """The signals before any instrument saw them.
@@ -117,7 +120,7 @@ class SimulatedRig:
         displacement_mm = np.concatenate([self.past_mm, motion.displacement_mm])
         room, temperature_C = self.instruments.room, None
         if room is not None:
-            temperature_C = room.temperature_C(time_s, default_rng([self.seed, 1]))
+            temperature_C = room.temperature_C(time_s, default_rng([self.seed, 1, self.before]))
         signals = inputs(time_s, displacement_mm / self.gauge_length_mm, temperature_C)
         state = {name: values[past:] for name, values in self.model.simulate(signals, dt_s).items()}
         force_N, conductance_S = state.get("force_N"), state.get("conductance_S")
@@ -131,7 +134,7 @@ class SimulatedRig:
     def readings(self) -> Readings:
         """What the device reads, in order."""
         sampling, force_noise, divider_noise, device = (
-            default_rng(child) for child in np.random.SeedSequence(self.seed).spawn(4)
+            default_rng(child) for child in np.random.SeedSequence([self.seed, self.before]).spawn(4)
         )
         truth, tools = self.truth(), self.instruments
         times_s = tools.clock.times(self.motion.duration_s, sampling)

@@ -271,6 +271,15 @@ def test_a_campaign_with_a_past_is_made_again_from_its_own_folder(tmp_path):
         plan_of(tmp_path / "b")
 
 
+def test_each_recording_of_a_sensor_has_noise_and_sampling_times_of_its_own_with_one_seed(tmp_path):
+    first = plan(tmp_path, seed=2)
+    motion, _ = played(first.program, 25.0)
+    third = replace(first, past=(first.program, first.program))
+    stamps = [one.rig(motion).readings().micros for one in (first, _second(tmp_path), third)]
+    steps = [tuple(np.diff(one)[:20]) for one in stamps]
+    assert len({*steps}) == 3
+
+
 def test_past_campaigns_are_followed_back_to_the_first(tmp_path):
     wish = _second(tmp_path)
     simulate_campaign(wish, tmp_path / "b", played(wish.program, 25.0)[0])

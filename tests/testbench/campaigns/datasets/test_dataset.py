@@ -13,6 +13,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import testbench as tb
 from gcode.support.errors import UserError
 from testbench import cli
 from testbench.campaigns.datasets import dataset
@@ -203,6 +204,18 @@ def test_a_bad_spec_is_refused_before_anything_runs(tmp_path, text, message):
     with pytest.raises(UserError, match=message):
         tasks_of(read_spec(path), tmp_path, tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+def test_a_data_set_that_fails_before_anything_is_made_leaves_no_folder(tmp_path):
+    path, own = written(tmp_path), tmp_path / "mine.py"
+    own.write_text("")
+    with pytest.raises(UserError, match=r"effects: the spec names none, got .*mine\.py; name the file in the spec"):
+        tb.dataset(path, tmp_path / "some" / "out", effects=own)
+    assert not (tmp_path / "some").exists()
+    (tmp_path / "out").mkdir()
+    with pytest.raises(UserError, match="the spec names none"):
+        tb.dataset(path, tmp_path / "out", effects=own)
+    assert (tmp_path / "out").is_dir()
 
 
 def test_a_second_command_in_the_same_folder_is_refused(tmp_path):
