@@ -8,6 +8,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from gcode.support.errors import UserError
 from gcode.support.files import copy_file, sha256_of
 from testbench.knit.model import KnitModel
@@ -24,6 +26,7 @@ from testbench.trust import named_effects
 PROGRAM, EFFECTS = "program.tap", "effects.py"
 # The rig on a port stands still after its motion for so long, and for as long as a recorder waits, within reason.
 HOLD_S, MOST_HOLD_S = 3.0, 60.0
+Rests = float | tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -43,8 +46,8 @@ class Plan:
     instruments : Instruments
     past : tuple of Path
         Programs that the same sensor went through before, in order; empty: a sensor never stretched before.
-    rest_s : float
-        Rest after each of them.
+    rest_s : float or tuple of float
+        Rest after each of them: one for all, or each its own.
     effects : Path, optional
         Python file with effects of the user's own that the model uses.
     """
@@ -56,7 +59,7 @@ class Plan:
     sensor: str = ""
     instruments: Instruments = field(default_factory=Instruments)
     past: tuple[Path, ...] = ()
-    rest_s: float = DEFAULT_REST_S
+    rest_s: Rests = DEFAULT_REST_S
     effects: Path | None = None
 
     def recipe(self) -> dict[str, Any]:
@@ -149,6 +152,9 @@ def plan_of(folder: Path, effects: Path | None = None) -> Plan:
     digest = recipe.get("effects_sha256")
     own = None if digest is None else named_effects(folder, folder / EFFECTS, effects, digest)
     model = model_from_dict(recipe.get("model"), load_catalogue(own), str(folder / manifest.NAME))
+    rest_s = recipe.get("rest_s", DEFAULT_REST_S)
+    if isinstance(rest_s, list) and len(rest_s) != len(past):
+        raise UserError(f"{folder}: its manifest names {len(past)} earlier programs and {len(rest_s)} rests")
     return Plan(
         program=program,
         model=model,
@@ -157,36 +163,59 @@ def plan_of(folder: Path, effects: Path | None = None) -> Plan:
         sensor=recipe["sensor"],
         instruments=Instruments.model_validate(recipe["instruments"]),
         past=past,
-        rest_s=float(recipe.get("rest_s", DEFAULT_REST_S)),
+        rest_s=tuple(rest_s) if isinstance(rest_s, list) else rest_s,
         effects=own,
     )
 
 
 def programs_before(
-    sources: Iterable[str | Path], model: KnitModel, gauge_length_mm: float, effects: Path | None = None
-) -> tuple[Path, ...]:
-    """The programs that a sensor went through, from what ``--after`` names: programs, or campaigns of this sensor.
+    sources: Iterable[str | Path],
+    model: KnitModel,
+    gauge_length_mm: float,
+    rest_s: float,
+    effects: Path | None = None,
+) -> tuple[tuple[Path, ...], Rests]:
+    """The programs that a sensor went through, from what ``--after`` names, and the rests after them.
+
+    A program rests for `rest_s`. A campaign of this sensor brings what it went through before, as it was then; where
+    that is named before it, too, it does not count twice.
 
     Raises
     ------
     UserError
-        If a campaign is of another sensor, gauge length or origin: its state cannot be carried on.
+        If a campaign is of another sensor, gauge length or origin, or of a sensor that went through something else
+        than what is named before it: its state cannot be carried on.
     """
     programs: list[Path] = []
+    rests_s: list[float] = []
     for source in map(Path, sources):
-        if not source.is_dir():
-            if not source.is_file():
-                raise UserError(f"{source}: no such campaign or program; name what the sensor went through before")
+        if source.is_dir():
+            earlier = _continued(source, model, gauge_length_mm, effects)
+            if earlier.past:
+                if programs and [*map(sha256_of, programs)] != [*map(sha256_of, earlier.past)]:
+                    raise UserError(
+                        f"{source}: its sensor went through other programs than those that you name before it; name "
+                        "the last campaign alone"
+                    )
+                programs, rests_s = [*earlier.past], np.broadcast_to(earlier.rest_s, len(earlier.past)).tolist()
+            programs.append(earlier.program)
+        elif source.is_file():
             check_beside(source)
             programs.append(source)
-            continue
-        earlier = plan_of(source, effects)
-        if earlier.model.to_dict() != model.to_dict():
-            raise UserError(f"{source}: a campaign of another sensor, {earlier.sensor}; its state cannot go on")
-        if earlier.gauge_length_mm != gauge_length_mm:
-            raise UserError(
-                f"{source}: its gauge length is {earlier.gauge_length_mm:g} mm, this one's {gauge_length_mm:g} mm; "
-                "give `gauge_length_mm`"
-            )
-        programs += [*earlier.past, earlier.program]
-    return tuple(programs)
+        else:
+            raise UserError(f"{source}: no such campaign or program; name what the sensor went through before")
+        rests_s.append(rest_s)
+    return tuple(programs), tuple(rests_s) if len({*rests_s}) > 1 else rest_s
+
+
+def _continued(folder: Path, model: KnitModel, gauge_length_mm: float, effects: Path | None) -> Plan:
+    """The plan of an earlier campaign, if it is of this sensor."""
+    earlier = plan_of(folder, effects)
+    if earlier.model.to_dict() != model.to_dict():
+        raise UserError(f"{folder}: a campaign of another sensor, {earlier.sensor}; its state cannot go on")
+    if earlier.gauge_length_mm != gauge_length_mm:
+        raise UserError(
+            f"{folder}: its gauge length is {earlier.gauge_length_mm:g} mm, this one's {gauge_length_mm:g} mm; "
+            "give `gauge_length_mm`"
+        )
+    return earlier

@@ -10,6 +10,7 @@ import hashlib
 import json
 import math
 import os
+import shlex
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -179,7 +180,7 @@ def problems(folder: Path) -> list[str]:
     if campaign.in_progress:
         again = "run it again, and overwrite it"
         if campaign.origin == "recorded":
-            again = f"continue it with `testbench record --resume -o {folder}`"
+            again = f"continue it with `testbench record --resume -o {shlex.quote(str(folder))}`"
         return [*found, f"{folder}: unfinished; {again}"]
     if CSV not in {resource.path for resource in resources}:
         found.append(f"{folder / NAME}: does not list {CSV}")

@@ -24,6 +24,7 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 GaugeLength = Annotated[float, Field(gt=0, le=LONGEST_GAUGE_MM, allow_inf_nan=False)]
 # The name of a file beside the manifest: nothing that leads anywhere else.
 FileName = Annotated[str, Field(pattern=r"^[^./\\\x00-\x1f\x7f][^/\\\x00-\x1f\x7f]{0,199}$")]
+Rest = Annotated[float, Field(ge=0, le=1e5)]
 Number = float | int | bool | str | None
 Origin = Literal["simulated", "recorded", "imported", "aligned"]
 Status = Literal[
@@ -104,7 +105,7 @@ class Recipe(StrictModel):
     grid_hz: Annotated[float, Field(gt=0, le=1e5)] | None = None
     instruments: Instruments | None = None
     past_sha256: Annotated[list[Sha256], Field(max_length=1000)] | None = None
-    rest_s: Annotated[float, Field(ge=0, le=1e5)] | None = None
+    rest_s: Rest | Annotated[list[Rest], Field(max_length=1000)] | None = None
     effects_sha256: Sha256 | None = None
     # of a recorded one
     port: Annotated[str, Field(min_length=1, max_length=500)] | None = None

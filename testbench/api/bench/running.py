@@ -138,7 +138,8 @@ def run(
     instruments : Instruments, optional
         Default: those of the paper's bench.
     after : iterable of path, optional
-        Programs, or campaigns of this sensor, that it went through before, in order. It remembers them.
+        Programs, or campaigns of this sensor, that it went through before, in order. It remembers them, and what
+        each of the campaigns was after.
     rest_s : float
         Rest after each of these, in s.
     effects : path, optional
@@ -259,6 +260,6 @@ def planned(
     tools = Instruments() if instruments is None else instance("instruments", instruments, Instruments)
     with program_file(program) as path:
         motion, gauge = played(path, gauge_length_mm)
-        past = programs_before(earlier, knit, gauge, own)
+        past, rests_s = programs_before(earlier, knit, gauge, rest_s, own)
         own = effects_kept(knit, own)
-        yield Plan(path, knit, gauge, seed, model_name(model), tools, past, rest_s, own), motion
+        yield Plan(path, knit, gauge, seed, model_name(model), tools, past, rests_s, own), motion

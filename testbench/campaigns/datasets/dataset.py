@@ -87,7 +87,7 @@ def write_index(out: Path, spec: Path, tasks: Sequence[Task]) -> None:
 
 
 def write_parquet(out: Path, tasks: Sequence[Task], workers: int = -1) -> int:
-    """Write the campaigns as Parquet beside their folders, split by specimen, with Croissant metadata; how many."""
+    """Write the campaigns as Parquet, split by specimen, with Croissant metadata; how many were not there already."""
     from testbench.campaigns.datasets.croissant import write_croissant
     from testbench.campaigns.datasets.parquet import columns_of, parts_of, write_parts
 

@@ -59,7 +59,12 @@ def parts_of(out: Path, campaigns: Sequence[tuple[Path, str]]) -> list[Part]:
 
 
 def write_parts(out: Path, parts: Sequence[Part], workers: int = -1) -> int:
-    """Write all parts that are not there already, each whole or not at all, and the checksums of all; how many.
+    """Write all parts that are not there already, each whole or not at all, and the checksums of all.
+
+    Returns
+    -------
+    int
+        How many were written.
 
     Raises
     ------
@@ -79,12 +84,14 @@ def write_parts(out: Path, parts: Sequence[Part], workers: int = -1) -> int:
     done = Parallel(n_jobs=workers, backend="loky", return_as="generator", **with_one_thread)(
         delayed(make_part)(part, channels, sums[name_of(part.file)]) for part in parts
     )
+    count = 0
     try:
-        for part, one in zip(parts, done, strict=True):
+        for part, (one, written) in zip(parts, done, strict=True):
             sums[name_of(part.file)] = one
+            count += written
     finally:  # what is done by then is not done again
         write_checksums(out, {name: one for name, one in sums.items() if one})
-    return len(parts)
+    return count
 
 
 def channels_of(parts: Sequence[Part]) -> list[str]:
@@ -103,9 +110,11 @@ def columns_of(part: Part) -> list[str]:
     return parquet.read_schema(part.file).names
 
 
-def make_part(part: Part, channels: Sequence[str], known: Checksums | None) -> Checksums:
-    """Write one campaign, unless it is there already with the checksums that are known of it."""
-    return known if known and _is_there(part, channels, known) else write_part(part, channels)
+def make_part(part: Part, channels: Sequence[str], known: Checksums | None) -> tuple[Checksums, bool]:
+    """Write one campaign, unless it is there with the checksums that are known of it; and whether it was written."""
+    if known and _is_there(part, channels, known):
+        return known, False
+    return write_part(part, channels), True
 
 
 def _is_there(part: Part, channels: Sequence[str], known: Checksums) -> bool:

@@ -23,7 +23,7 @@ from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.knit.model import inputs
 from testbench.recordings.files import read_recording
 from testbench.recordings.instruments import Instruments, Room
-from testbench.recordings.manifest import problems, read_manifest, write_manifest
+from testbench.recordings.manifest import problems, read_manifest, sealed, write_manifest
 from testbench.recordings.versions import software_versions
 from testbench.results.model_file import ModelFile, load_model_file
 from testbench.rig.simulation.past import past_displacement
@@ -283,14 +283,40 @@ def test_each_recording_of_a_sensor_has_noise_and_sampling_times_of_its_own_with
 def test_past_campaigns_are_followed_back_to_the_first(tmp_path):
     wish = _second(tmp_path)
     simulate_campaign(wish, tmp_path / "b", played(wish.program, 25.0)[0])
-    before = programs_before([tmp_path / "b"], wish.model, 25.0)
+    before, rests_s = programs_before([tmp_path / "b"], wish.model, 25.0, 600.0)
     assert [path.name for path in before] == ["before-1.tap", "program.tap"]
+    assert rests_s == (30.0, 600.0)
     with pytest.raises(UserError, match="campaign of another sensor"):
-        programs_before([tmp_path / "b"], wish.model.without("drift"), 25.0)
+        programs_before([tmp_path / "b"], wish.model.without("drift"), 25.0, 600.0)
     with pytest.raises(UserError, match="gauge length is 25 mm, this one's 40 mm"):
-        programs_before([tmp_path / "b"], wish.model, 40.0)
+        programs_before([tmp_path / "b"], wish.model, 40.0, 600.0)
     with pytest.raises(UserError, match="no such campaign or program"):
-        programs_before([tmp_path / "c"], wish.model, 25.0)
+        programs_before([tmp_path / "c"], wish.model, 25.0, 600.0)
+
+
+def test_a_campaign_that_is_named_beside_the_one_it_came_after_does_not_count_twice(tmp_path):
+    """It did, and its earlier rests were those of the new one: another state of the sensor, without a word."""
+    wish = _second(tmp_path)
+    motion = played(wish.program, 25.0)[0]
+    simulate_campaign(replace(wish, past=()), tmp_path / "a", motion)
+    simulate_campaign(wish, tmp_path / "b", motion)
+    alone, together = (
+        programs_before(named, wish.model, 25.0, 600.0)
+        for named in ([tmp_path / "b"], [tmp_path / "a", tmp_path / "b"])
+    )
+    assert together == alone
+    third = replace(wish, past=alone[0], rest_s=alone[1])
+    simulate_campaign(third, tmp_path / "c", motion)
+    assert plan_of(tmp_path / "c").rest_s == (30.0, 600.0)
+    manifest = json.loads((tmp_path / "c" / "datapackage.json").read_text())
+    assert made_again(tmp_path / "c").differences == ()
+    assert len(third.rig(motion).past_mm) == pytest.approx((2 * motion.duration_s + 630) * SIMULATED_HZ, abs=4)
+    with pytest.raises(UserError, match="went through other programs than those that you name before it"):
+        programs_before([tmp_path / "a", tmp_path / "a", tmp_path / "b"], wish.model, 25.0, 600.0)
+    manifest["knitbench"]["recipe"]["rest_s"].append(1.0)
+    (tmp_path / "c" / "datapackage.json").write_text(sealed(manifest))
+    with pytest.raises(UserError, match="names 2 earlier programs and 3 rests"):
+        plan_of(tmp_path / "c")
 
 
 OWN_EFFECT = """from testbench.knit.effect import Effect, Stage, parameter
