@@ -93,12 +93,18 @@ def simulate_live(
 
 
 def _check_accepted(folder: Path, status: Status) -> None:
-    """Refuse to call a run complete that has not a single sample."""
-    if status.state == "complete" and not status.samples:
+    """Refuse to call a run complete that nobody can read as a recording."""
+    if status.state != "complete" or status.samples > 1:
+        return
+    if not status.samples:
         raise UserError(
             f"{folder}: none of the simulated rig's {status.rejected} lines was accepted, so that there is no "
             "recording: the model, or an instrument, makes values that no device sends; check their parameters"
         )
+    raise UserError(
+        f"{folder}: the simulated rig took one sample in {status.duration_s:.4g} s, and a recording needs two; raise "
+        "its sampling rate, or play a longer program"
+    )
 
 
 def _fill(

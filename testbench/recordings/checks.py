@@ -76,7 +76,7 @@ def check(
             _refuse(source, values, values <= 0, f"{name} must be positive, got", f"; {DROP}", row)
         _check_within(source, name, values, row)
     if DISPLACEMENT in channels:
-        _check_strain(source, channels[DISPLACEMENT], gauge_length_mm, row)
+        check_strain(source, channels[DISPLACEMENT], gauge_length_mm, row)
 
 
 def known_length(gauge_length_mm: float | None, source: str) -> float:
@@ -150,7 +150,8 @@ def _refuse(source: str, values: FloatArray, bad: np.ndarray, what: str, remedy:
         raise UserError(f"{source}: {row(place)}: {what} {values[place]:g} ({such(places.size)}){remedy}")
 
 
-def _check_strain(source: str, displacement_mm: FloatArray, gauge_length_mm: float, row: RowWords) -> None:
+def check_strain(source: str, displacement_mm: FloatArray, gauge_length_mm: float, row: RowWords) -> None:
+    """Raise `UserError`, which names `source` and the row, where the stretch is more than a sample can have."""
     furthest = int(np.argmax(np.abs(displacement_mm)))
     strain = abs(float(displacement_mm[furthest])) / gauge_length_mm
     if strain > MOST_STRAIN:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from gcode.support.errors import UserError
-from testbench.recordings.checks import check_gauge_length
+from testbench.recordings.checks import check_gauge_length, check_strain
 from testbench.rig.simulation.simulated import SIMULATED_HZ, Motion
 
 DEFAULT_GAUGE_LENGTH_MM = 25.0
@@ -24,7 +24,7 @@ def played(path: Path, gauge_length_mm: float | None = None) -> tuple[Motion, fl
     Raises
     ------
     UserError
-        If the file is not a program that the planner can play.
+        If the file is not a program that the planner can play, or one that no sample of this gauge length outlives.
     """
     from gcode.mach4.controller import play
     from gcode.mach4.reader import load_program
@@ -39,4 +39,6 @@ def played(path: Path, gauge_length_mm: float | None = None) -> tuple[Motion, fl
     if gauge is None:
         gauge = program.header_number("gauge_length_mm") or DEFAULT_GAUGE_LENGTH_MM
     check_gauge_length(gauge, str(path))
-    return Motion(trajectory.time_s, trajectory.position_mm - offset_mm), float(gauge)
+    motion = Motion(trajectory.time_s, trajectory.position_mm - offset_mm)
+    check_strain(str(path), motion.displacement_mm, gauge, lambda place: f"at {motion.time_s[place]:.4g} s")
+    return motion, float(gauge)

@@ -23,7 +23,7 @@ from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.knit.model import inputs
 from testbench.recordings.files import read_recording
 from testbench.recordings.instruments import Instruments, Room
-from testbench.recordings.manifest import problems, read_manifest, sealed, write_manifest
+from testbench.recordings.manifest import IN_PROGRESS, Campaign, problems, read_manifest, sealed, write_manifest
 from testbench.recordings.versions import software_versions
 from testbench.results.model_file import ModelFile, load_model_file
 from testbench.rig.simulation.past import past_displacement
@@ -385,6 +385,28 @@ def test_a_run_without_a_single_sample_is_not_complete(tmp_path, how):
     instruments = Instruments(room=Room(mean_C=1e7))
     with pytest.raises(UserError, match=r"none of the simulated rig's \d+ lines was accepted"):
         how(replace(plan(tmp_path), instruments=instruments), tmp_path / "hot", triangle())
+
+
+def test_what_nobody_could_read_is_not_run(tmp_path):
+    """It was, as complete: a single sample, a stretch beyond any knit, a seed that no manifest keeps."""
+    wish = plan(tmp_path)
+    slow = tb.Instruments(clock={"rate_hz": 0.01})
+    with pytest.raises(UserError, match=r"took one sample in 20 s, and a recording needs two"):
+        simulate_campaign(replace(wish, instruments=slow), tmp_path / "slow", triangle())
+    with pytest.raises(UserError, match=r" s: a displacement of 5 mm at a gauge length of 0.2 mm is a strain of 25"):
+        tb.run("pes", wish.program, tmp_path / "c", gauge_length_mm=0.2)
+    with pytest.raises(UserError, match="seed: must be at most 18446744073709551615, got"):
+        tb.run("pes", wish.program, tmp_path / "c", seed=1 << 64)
+    assert not {"slow", "c"} & {path.name for path in tmp_path.iterdir()}
+
+
+def test_an_unfinished_campaign_is_continued_by_what_may_be_pasted(tmp_path):
+    shown = Campaign(25.0, "recorded", IN_PROGRESS, {"sensor": ""}, {}, {})
+    folder = tmp_path / "knit 7"
+    folder.mkdir()
+    recipe = {"port": "/dev/ttyUSB0", "baud": 1, "max_force_N": None, "max_strain": None, "program": "program.tap"}
+    write_manifest(folder, replace(shown, recipe={**shown.recipe, **recipe, "program_sha256": "1" * 64}), [])
+    assert problems(folder) == [f"{folder}: unfinished; continue it with `testbench record --resume -o '{folder}'`"]
 
 
 def test_a_room_swings_as_rooms_do(tmp_path, capsys):
