@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcode.motion.blocks import LOOK_AHEAD_BLOCKS, Blocks, Motion, drive
+from gcode.motion.blocks import Blocks, Motion, drive
 from gcode.motion.path import Path
 from gcode.support.errors import UserError
 
@@ -27,8 +27,10 @@ def path_blocks(path: Path, v_max_mm_per_s: float) -> Blocks:
     return Blocks(length[keep], np.minimum(asked, v_max_mm_per_s)[keep], dwell[keep])
 
 
-def drive_within(path: Path, v_max_mm_per_s: float, a_max_mm_per_s2: float) -> Motion:
+def drive_within(path: Path, v_max_mm_per_s: float, a_max_mm_per_s2: float, remedy: str = "raise them") -> Motion:
     """The fastest motion that is nowhere faster than the path asks for and keeps both limits.
+
+    `remedy` is what to do where they are too low.
 
     Raises
     ------
@@ -40,8 +42,7 @@ def drive_within(path: Path, v_max_mm_per_s: float, a_max_mm_per_s2: float) -> M
     if motion.end_s > MAX_STRETCH * wanted + 10.0:
         raise UserError(
             f"limits: v max {v_max_mm_per_s:.4g} mm/s and a max {a_max_mm_per_s2:.4g} mm/s2 would stretch this "
-            f"motion from {wanted:.4g} s to {motion.end_s:.4g} s; raise them, lower the spec's rate_hz (a "
-            f"controller sees {LOOK_AHEAD_BLOCKS} samples ahead), or ask for a slower or smaller motion"
+            f"motion from {wanted:.4g} s to {motion.end_s:.4g} s; {remedy}, or ask for a slower or smaller motion"
         )
     return motion
 

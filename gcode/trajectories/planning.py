@@ -72,7 +72,8 @@ def _within(spec: TrajectorySpec, seed: int, gauge_length_mm: float, margin: flo
     check_travel(path, spec.limits)
     if not np.diff(np.round(path.position_mm, decimals)).any():
         raise UserError(f"{spec.name}: this protocol never moves; add a piece that does")
-    motion = drive_within(path, v_max, a_max)
+    sight = f"lower the spec's rate_hz (a controller sees {LOOK_AHEAD_BLOCKS} samples ahead)"
+    motion = drive_within(path, v_max, a_max, "raise them" if usable == spec.limits.v_max_mm_per_s else sight)
     j_max = None if spec.limits.j_max_mm_per_s3 is None else spec.limits.j_max_mm_per_s3 * margin
     position = sampled_positions(motion, spec.rate_hz, a_max, j_max)
     return sampled(np.round(position, decimals) + 0.0, spec.rate_hz)

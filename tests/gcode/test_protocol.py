@@ -75,6 +75,17 @@ def test_a_plan_is_no_faster_than_a_controller_that_sees_so_many_blocks_can_be(r
     assert (reached > 0.95 * asked) == (rate_hz == 20)
 
 
+@pytest.mark.parametrize(
+    ("rate_hz", "remedy"),
+    [(20.0, "raise them"), (1000.0, r"lower the spec's rate_hz \(a controller sees 20 samples")],
+)
+def test_a_motion_that_is_stretched_too_far_is_told_by_what(rate_hz, remedy):
+    limits = gcode.Limits(v_max_mm_per_s=1 if rate_hz == 20 else 10, a_max_mm_per_s2=5)
+    spec = TrajectorySpec.of(Triangle(high_percent=50, speed_mm_per_s=9), rate_hz=rate_hz, limits=limits)
+    with pytest.raises(UserError, match=f"would stretch this motion from .*; {remedy}"):
+        gcode.generate(spec, seed=1, gauge_length_mm=40)
+
+
 def test_what_a_jerk_limit_takes_from_a_stroke_is_noted():
     """It was not: a triangle to 5 mm went to 4.1 mm, and nobody was told."""
     triangle = Triangle(high_percent=20, speed_mm_per_s=2)
