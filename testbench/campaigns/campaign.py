@@ -35,7 +35,8 @@ def matches(folder: Path, plan: Plan) -> bool:
     campaign, _ = read_manifest(folder)
     same = campaign.origin == "simulated" and campaign.gauge_length_mm == plan.gauge_length_mm
     same = same and campaign.recipe == json.loads(json.dumps(plan.recipe()))
-    return same and campaign.status == "complete" and not manifest.problems(folder)
+    whole = campaign.status == "complete" and campaign.counts.get("samples", 0) > 1
+    return same and whole and not manifest.problems(folder)
 
 
 def simulate_campaign(

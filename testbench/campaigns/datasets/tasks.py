@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
@@ -101,8 +102,12 @@ def tasks_of(spec: DatasetSpec, base: Path, out: Path, effects: Path | None = No
         gauge = spec.gauge_length_mm
         tools, mine = spec.instruments, kept[sensor]
         made.append(Task(folder, program, sensor, drawn, gauge, seed, tools, past, spec.rest_s, mine, specimen))
-    if len({task.folder for task in made}) < len(made):
-        raise UserError("two campaigns would have the same folder; give sensors and programs different file names")
+    (name, times), *_ = Counter(task.folder.name for task in made).most_common(1)
+    if times > 1:
+        raise UserError(
+            f"{times} campaigns would be called {name}; name each sensor, program and seed once, and give files of "
+            "other folders other names"
+        )
     return made
 
 

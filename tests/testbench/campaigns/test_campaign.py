@@ -384,7 +384,8 @@ def test_a_run_without_a_single_sample_is_not_complete(tmp_path, how):
     """Its room is hotter than the digits of a line: all were refused, and it ended as if all were well."""
     instruments = Instruments(room=Room(mean_C=1e7))
     with pytest.raises(UserError, match=r"none of the simulated rig's \d+ lines was accepted"):
-        how(replace(plan(tmp_path), instruments=instruments), tmp_path / "hot", triangle())
+        how(hot := replace(plan(tmp_path), instruments=instruments), tmp_path / "hot", triangle())
+    assert not matches(tmp_path / "hot", hot)  # run again, it would be called intact
 
 
 def test_what_nobody_could_read_is_not_run(tmp_path):

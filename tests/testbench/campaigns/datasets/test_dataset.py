@@ -194,6 +194,7 @@ def test_a_data_set_may_use_effects_of_ones_own(tmp_path):
             "vary, pes#1",
         ),
         ('sensors=["pes"]\nseeds=[1]\nprograms=["two_*.tap"]\nrest_s=60', "it needs same_sensor = true"),
+        ('sensors=["pes"]\nseeds=[1,2,2]\nprograms=["two_*.tap"]', "2 campaigns would be called .*-00002; name each"),
         ('sensors=["pes"]\nseeds=[true]\nprograms=["two_*.tap"]', r"seeds.*integer"),
         ('sensors=["pes"]\nseeds=[1]\n[trajectory]\npreset="paper-9"\nseeds=[1]', "preset must be one of paper-1"),
     ],
