@@ -11,9 +11,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from gcode.mach4.program import Problem
+from gcode.mach4.program import MOST_HZ, Problem
 
-MAX_RATE_HZ = 10_000.0
 MODES = ("G20 or G21", "G90 or G91", "G93 or G94")
 PLACE = "a first place, X under G90,"
 LARGEST = 1e9  # of any number in a program
@@ -236,7 +235,7 @@ def _rate(state: State) -> float:
         rate_hz = float(state.header.get("rate_hz", "0"))
     except ValueError:
         return 0.0
-    return rate_hz if 0 < rate_hz <= MAX_RATE_HZ else 0.0
+    return rate_hz if 0 < rate_hz <= MOST_HZ else 0.0
 
 
 def move(state: State, number: int, x: float, own_feed: bool, steps: int) -> None:

@@ -91,7 +91,7 @@ def write_parquet(out: Path, tasks: Sequence[Task], workers: int = -1) -> int:
     from testbench.campaigns.datasets.croissant import write_croissant
     from testbench.campaigns.datasets.parquet import columns_of, parts_of, write_parts
 
-    parts = parts_of(out, [(task.folder, task.specimen) for task in tasks])
+    parts = parts_of(out, tasks)
     written = write_parts(out, parts, workers)
     splits = [split for split in SPLITS if any(part.split == split for part in parts)]
     write_croissant(out, out.absolute().name, splits, columns_of(parts[0]))
@@ -104,7 +104,7 @@ def drop_stale_parquet(out: Path, tasks: Sequence[Task]) -> int:
     from testbench.campaigns.datasets.parquet import parts_of
     from testbench.campaigns.datasets.parquet_checksums import keep_current
 
-    parts = parts_of(out, [(task.folder, task.specimen) for task in tasks])
+    parts = parts_of(out, tasks)
     dropped = keep_current(out, {part.file: part.campaign for part in parts})
     if dropped:
         (out / NAME).unlink(missing_ok=True)

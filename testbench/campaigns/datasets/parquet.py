@@ -19,6 +19,7 @@ from testbench.campaigns.datasets.parquet_checksums import (
     write_checksums,
 )
 from testbench.campaigns.datasets.splits import split_of
+from testbench.campaigns.datasets.tasks import Task
 from testbench.recordings import manifest
 from testbench.recordings.channels import TIME
 from testbench.recordings.files import read_recording
@@ -40,21 +41,14 @@ class Part:
     file: Path
 
 
-def parts_of(out: Path, campaigns: Sequence[tuple[Path, str]]) -> list[Part]:
-    """Where each campaign goes: ``parquet/SPLIT/CAMPAIGN.parquet``, split by specimen.
-
-    Parameters
-    ----------
-    out : Path
-        Folder of the data set.
-    campaigns : sequence of (Path, str)
-        Folder and specimen of each.
-    """
-    splits = split_of(specimen for _, specimen in campaigns)
+def parts_of(out: Path, tasks: Sequence[Task]) -> list[Part]:
+    """Where each campaign of the data set in `out` goes: ``parquet/SPLIT/CAMPAIGN.parquet``, split by specimen."""
+    splits = split_of(task.specimen for task in tasks)
     root = out / PARQUET
     return [
-        Part(folder, specimen, splits[specimen], root / splits[specimen] / f"{folder.name}.parquet")
-        for folder, specimen in campaigns
+        Part(task.folder, task.specimen, split, root / split / f"{task.folder.name}.parquet")
+        for task in tasks
+        for split in [splits[task.specimen]]
     ]
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from array import array
+from bisect import bisect_left
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import compress
 from pathlib import Path
@@ -18,7 +19,6 @@ from testbench.recordings.channels import DISPLACEMENT, TIME, UNITS
 from testbench.recordings.manifest import CSV
 from testbench.recordings.stored import EVENTS, StoredEvent
 from testbench.rig.acquisition.ending import EndOfMotion
-from testbench.rig.acquisition.forward import running_forward
 from testbench.rig.acquisition.sink import BAD
 from testbench.rig.protocol.file_lines import bad_line
 from testbench.rig.protocol.items import Bad
@@ -161,7 +161,7 @@ def _read_rows(path: Path, left: Left, start: list[str] | None) -> set[int]:
             displacements_nm.append(cells[1])
         elif number or b"\0" in line:
             strange[number] = bool(line.strip(b"\0"))
-    kept = running_forward(times_us)
+    kept = _running_forward(times_us)
     strange.update((number, True) for number, keep in zip(numbers, kept, strict=True) if not keep)
     left.times_us = array("q", compress(times_us, kept))
     left.displacements_nm = array("q", compress(displacements_nm, kept))
@@ -170,6 +170,29 @@ def _read_rows(path: Path, left: Left, start: list[str] | None) -> set[int]:
     if not aside:
         _cut(path, ends[last] if ends and last not in strange else 0)
     return aside
+
+
+def _running_forward(times_us: Sequence[int]) -> bytearray:
+    """Which rows to believe: one for each time of the longest run of rising ones, zero for the others.
+
+    One wrong digit makes a row late or early among thousands that agree with each other: that row goes, not they.
+    """
+    ends_us, ends, before = array("q"), array("q"), array("q")  # the last time and row of the best run of each length
+    for row, time_us in enumerate(times_us):
+        if not ends or time_us > ends_us[-1]:
+            before.append(ends[-1] if ends else -1)
+            ends_us.append(time_us)
+            ends.append(row)
+        else:
+            length = bisect_left(ends_us, time_us)
+            before.append(ends[length - 1] if length else -1)
+            ends_us[length], ends[length] = time_us, row
+    kept = bytearray(len(times_us))
+    row = ends[-1] if ends else -1
+    while row >= 0:
+        kept[row] = 1
+        row = before[row]
+    return kept
 
 
 def _channels(path: Path, header: bytes, start: list[str] | None) -> tuple[str, ...] | None:
