@@ -13,7 +13,6 @@ from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
 from gcode.trajectories.bounds import Limits
 
-MOST_MADE_SAMPLES = 20_000_000  # of a recipe that is made again; 48 h at 100 Hz
 FOREIGN = "nobody's recipe: judged by its motion alone"
 GENUINE = "made again from its recipe, line by line the same"
 
@@ -72,7 +71,6 @@ def provenance(text: str, program: Program) -> Provenance:
         return Provenance("its recipe was not tried")
     broken = seal_problem(text)
     try:
-        _check_length(program)
         again = make_again(program).program
     except (UserError, ValueError, ArithmeticError) as error:
         return _refused(1, f"the recipe in its header cannot be made again ({error}); {REMEDY}")
@@ -105,15 +103,3 @@ def _refused(line: int, reason: str) -> Provenance:
 
 def _unsealed(lines: list[str]) -> list[str]:
     return [line for line in lines if not line.startswith("(SHA256: ")]
-
-
-def _check_length(program: Program) -> None:
-    """A recipe of years would be planned for hours: refuse it before."""
-    rate_hz = program.header_number("rate_hz") or 0.0
-    seconds = sum(
-        program.header_number(key) or 0.0
-        for key in program.header
-        if key.startswith("spec.pieces.") and key.endswith(("duration_s", "rest_s", "hold_s"))
-    )
-    if not 0 < rate_hz <= 1000 or seconds * rate_hz > MOST_MADE_SAMPLES:
-        raise UserError(f"{seconds:g} s at {rate_hz:g} Hz are more than is made again")

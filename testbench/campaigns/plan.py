@@ -139,7 +139,9 @@ def plan_of(folder: Path, effects: Path | None = None) -> Plan:
 
     campaign, _ = read_manifest(folder)
     if campaign.origin != "simulated":
-        raise UserError(f"{folder}: this campaign was {campaign.origin}, only a simulated one can be made again or continued")
+        raise UserError(
+            f"{folder}: this campaign was {campaign.origin}, only a simulated one can be made again or continued"
+        )
     if campaign.status != "complete":
         state = "is unfinished" if campaign.in_progress else f"ended early ({campaign.status})"
         raise UserError(f"{folder}: {state}; only a complete campaign can be made again or continued")

@@ -121,7 +121,9 @@ def test_a_recipe_that_was_changed_with_its_program_left_alone_is_refused():
     nonsense = TEXT.replace("(SPEC.RATE_HZ: 20.0)", "(SPEC.RATE_HZ: -1.0)")
     assert any("cannot be made again" in line for line in found(nonsense))
     endless = re.sub(r"DURATION_S: [\d.]+", "DURATION_S: 1e300", TEXT)
-    assert any("more than is made again" in line for line in found(endless))
+    assert any("cannot be made again (program: not a usable recipe" in line for line in found(endless))
+    long = re.sub(r"DURATION_S: [\d.]+", "DURATION_S: 172800", TEXT.replace("RATE_HZ: 20.0", "RATE_HZ: 1000.0"))
+    assert any("cannot be made again (a trajectory may have 20000000 samples" in line for line in found(long))
 
 
 def test_a_file_may_not_say_what_the_controller_is():
