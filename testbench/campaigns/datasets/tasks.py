@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -29,6 +30,8 @@ from testbench.rig.simulation.simulated import Motion
 from testbench.trust import named_effects
 
 PROGRAMS = "programs"
+# What the list of a data set can name (`StoredIndex`), and pandas and Arrow read: they pass over _hidden and .hidden.
+CAMPAIGN_NAME = re.compile(r"[^._/\\\x00-\x1f\x7f][^/\\\x00-\x1f\x7f]{0,199}")
 
 
 @dataclass(frozen=True)
@@ -95,6 +98,12 @@ def tasks_of(spec: DatasetSpec, base: Path, out: Path, effects: Path | None = No
     for (sensor, model), (order, program), seed in product(models.items(), enumerate(programs), spec.seeds):
         past = tuple(programs[:order]) if spec.same_sensor else ()
         name = f"{Path(sensor).stem}-{program.stem}-{seed:05d}"
+        if not CAMPAIGN_NAME.fullmatch(name):
+            raise UserError(
+                f"{sensor}, {program}: a campaign would be called {name[:99]!r}; a name has at most 200 characters, "
+                "no control characters, and begins with no . or _, which readers of Parquet pass over; rename that "
+                "file"
+            )
         # Where parameters are drawn by the seed, each seed is a specimen of its own.
         specimen = f"{Path(sensor).stem}#{seed}" if spec.vary else Path(sensor).stem
         drawn = varied(model, spec.vary, specimen).to_dict()

@@ -207,6 +207,16 @@ def test_a_bad_spec_is_refused_before_anything_runs(tmp_path, text, message):
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize("name", ["_mine", ".mine", "a\nb", "long" * 50])
+def test_a_sensor_whose_campaigns_others_would_pass_over_is_refused(tmp_path, name):
+    """Pandas left _mine-... out of what it read, without a word; the list of campaigns could not be read again."""
+    path = written(tmp_path)
+    (tmp_path / "knit.json").rename(tmp_path / f"{name}.json")
+    path.write_text(path.read_text().replace('"knit.json"', json.dumps(f"{name}.json")))
+    with pytest.raises(UserError, match="which readers of Parquet pass over; rename that file"):
+        tasks_of(read_spec(path), tmp_path, tmp_path / "out")
+
+
 def test_a_data_set_that_fails_before_anything_is_made_leaves_no_folder(tmp_path):
     path, own = written(tmp_path), tmp_path / "mine.py"
     own.write_text("")
