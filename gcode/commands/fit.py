@@ -9,8 +9,8 @@ from gcode.commands._numbers import number
 from gcode.support.console import given
 
 if TYPE_CHECKING:
+    from gcode.trajectories.natural import Target
     from gcode.trajectories.noise_fit import FitResult
-    from gcode.trajectories.target import Target
 
 SUMMARY = "find a spec whose executed motion has given means and SDs of speed and acceleration"
 EXAMPLE = "gcode fit --v-mean 0.943 --v-sd 0.593 --a-mean 1.397 --a-sd 1.303 -o mine.toml"
@@ -33,8 +33,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> None:
     from gcode.support import files
     from gcode.support.console import Progress
+    from gcode.trajectories.natural import Target
     from gcode.trajectories.noise_fit import SHAPES, fit
-    from gcode.trajectories.target import Target
     from gcode.trajectories.toml_spec import spec_to_toml
     from gcode.trajectories.trajectory import Limits
 

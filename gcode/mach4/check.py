@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 LONGEST_DWELL_S = 120.0  # in files that others made; a longer P is most likely milliseconds
-LONGEST_RUN_S = MAX_PLAYED_S  # what takes longer is not executed, and refused
 TOLERANCE_MM = 1e-6
 # Within these parts of a sample the speed may change by what the limit allows from one sample to the next, and by
 # half of that again: our own programs need up to 1.24. No shaking keeps in step with both and with the samples.
@@ -164,8 +163,8 @@ def _unplayed(program: Program, rate_hz: float) -> str:
     if not (feed > 0).all():
         return "not executed, since it has moves of no feed: nothing is known of its motion"
     seconds = float(np.abs(program.length_mm[moving] / feed).sum() + program.dwell_s.sum())
-    if seconds > LONGEST_RUN_S:
-        return f"not executed, since it would take {_long(seconds)}: more than {_long(LONGEST_RUN_S)} is refused"
+    if seconds > MAX_PLAYED_S:
+        return f"not executed, since it would take {_long(seconds)}: more than {_long(MAX_PLAYED_S)} is refused"
     if seconds * rate_hz > MOST_SAMPLES:
         return f"not executed, since {_long(seconds)} at {rate_hz:g} Hz are too many samples; lower `rate_hz`"
     return ""

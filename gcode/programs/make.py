@@ -20,9 +20,8 @@ from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
 from gcode.support.html import card
 from gcode.support.strict import validated
-from gcode.trajectories.natural import Noise
+from gcode.trajectories.natural import NAMES, Noise
 from gcode.trajectories.planning import check_request, plan, slowest_stroke, whole_path
-from gcode.trajectories.target import NAMES
 from gcode.trajectories.trajectory import AMPLE, Trajectory, TrajectorySpec
 
 if TYPE_CHECKING:

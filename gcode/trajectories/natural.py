@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -10,12 +10,12 @@ from pydantic import Field, model_validator
 from gcode.motion.limits import drive_within
 from gcode.motion.path import Frame, Path
 from gcode.motion.perlin import MAX_OCTAVES, perlin_signal, perlin_walk
-from gcode.motion.statistics import motion_statistics
+from gcode.motion.statistics import MotionStatistics, motion_statistics
 from gcode.support.errors import UserError
 from gcode.trajectories.protocol import RangedPiece
-from gcode.trajectories.quantities import MAX_SAMPLES, Duration, Positive
-from gcode.trajectories.target import Target
+from gcode.trajectories.quantities import MAX_SAMPLES, Duration, Positive, SpecModel
 
+NAMES = ("v_mean_mm_per_s", "v_sd_mm_per_s", "a_mean_mm_per_s2", "a_sd_mm_per_s2")
 OCTAVE_SD = 0.242  # standard deviation of one octave of noise, mean of 40 runs of 23 min
 OCTAVE_PEAK = 0.78  # what one octave reaches in about 23 min
 SOFT_FROM = 0.9  # noise beyond this part of the half range is bent smoothly, so that it never passes the end
@@ -33,6 +33,20 @@ _SENSITIVITY = np.array(
 )
 # The last two parameters act weakly; damping keeps them near what the spec says.
 _DAMPING = np.diag([0.0, 0.0, 0.03, 0.02])
+
+
+class Target(SpecModel):
+    """Means and standard deviations of |v| and |a|, by finite differences at `rate_hz`."""
+
+    v_mean_mm_per_s: Positive
+    v_sd_mm_per_s: Positive
+    a_mean_mm_per_s2: Positive
+    a_sd_mm_per_s2: Positive
+    rate_hz: Annotated[float, Field(ge=1, le=1000)] = 20.0
+
+    def deviations(self, statistics: MotionStatistics) -> np.ndarray:
+        """Relative deviations, in the order of `NAMES`."""
+        return np.array([getattr(statistics, name) / getattr(self, name) - 1.0 for name in NAMES])
 
 
 class Noise(RangedPiece):

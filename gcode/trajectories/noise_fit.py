@@ -10,9 +10,8 @@ import numpy as np
 from gcode.motion.path import Frame
 from gcode.support.errors import UserError
 from gcode.support.read_only import Unchanging
-from gcode.trajectories.natural import Noise, trial
+from gcode.trajectories.natural import NAMES, Noise, Target, trial
 from gcode.trajectories.planning import plan
-from gcode.trajectories.target import NAMES, Target
 from gcode.trajectories.trajectory import Limits, TrajectorySpec
 
 SHAPES = ((2, 0.15), (2, 0.3), (1, 1.0), (3, 0.4))  # octaves, persistence; tried in turn

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 
 from gcode.support.errors import UserError
 from gcode.support.read_only import read_only
-from gcode.trajectories.natural import Noise
-from gcode.trajectories.target import NAMES, Target
+from gcode.trajectories.natural import NAMES, Noise, Target
 from gcode.trajectories.trajectory import Limits, TrajectorySpec
 
 
