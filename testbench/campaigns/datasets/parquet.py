@@ -44,12 +44,12 @@ class Part:
 def parts_of(out: Path, tasks: Sequence[Task]) -> list[Part]:
     """Where each campaign of the data set in `out` goes: ``parquet/SPLIT/CAMPAIGN.parquet``, split by specimen."""
     splits = split_of(task.specimen for task in tasks)
-    root = out / PARQUET
-    return [
-        Part(task.folder, task.specimen, split, root / split / f"{task.folder.name}.parquet")
-        for task in tasks
-        for split in [splits[task.specimen]]
-    ]
+    parts = []
+    for task in tasks:
+        split = splits[task.specimen]
+        file = out / PARQUET / split / f"{task.folder.name}.parquet"
+        parts.append(Part(task.folder, task.specimen, split, file))
+    return parts
 
 
 def write_parts(out: Path, parts: Sequence[Part], workers: int = -1) -> int:
