@@ -23,8 +23,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from simulated_case import stream
 
-from worlds_second.draws import stream
 from worlds_second.kernels import Array
 from worlds_second.laws.contact import STRAIN_DRIVEN, around
 from worlds_second.protocols import Motion
@@ -110,12 +110,12 @@ def simulate(
 ) -> tuple[Readings, Signals]:
     """Run the chain; the converters' stage is left to `converted`, since noise comes before it."""
     s = Signals(motion, sensor, scales, seed, motion.t, motion.dt, motion.room_K)
-    s.e = motion.x + sensor.pretension + motion.shift
+    s.e = motion.x + sensor.pretension
     _open(s, "kinematics", hooks)
     s.e = np.maximum(s.e, 0.0)
     _mechanics(s, hooks)
     _electrics(s, hooks)
-    s.force_N = s.sensor.force_full_N * (s.f + motion.zero)
+    s.force_N = s.sensor.force_full_N * s.f
     s.ln_read = s.ln_g
     _open(s, "force_readout", hooks)
     _open(s, "resistance_readout", hooks)

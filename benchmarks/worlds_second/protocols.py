@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gcode.support.errors import UserError
 from worlds_second.kernels import Array
 
 FINEST_HZ = 20.0  # the physics runs at least this fast
@@ -32,10 +31,6 @@ class Motion:
         Each so-manieth point is a sample.
     room_K : ndarray, shape (n,)
         How much warmer the room is than at a calm start.
-    shift : float
-        Relative stroke by which a sensor that was clamped anew sits elsewhere; not in the recorded displacement.
-    zero : float
-        Zero error of the force after clamping anew, relative to full scale.
     index : int
         0 for the calibration, 1 for the held-out recording.
     """
@@ -45,20 +40,12 @@ class Motion:
     x: Array
     every: int
     room_K: Array
-    shift: float = 0.0
-    zero: float = 0.0
     index: int = 0
 
 
-def draw_motion(
-    rng: np.random.Generator, protocol: str, minutes: float, rate_hz: float, index: int, reclamped: bool
-) -> Motion:
-    """Draw one recording's motion, room temperature and, if clamped anew, its zeros."""
-    if protocol not in PROTOCOLS:
-        raise UserError(f"protocol must be one of {', '.join(PROTOCOLS)}; got {protocol}")
+def draw_motion(rng: np.random.Generator, protocol: str, minutes: float, rate_hz: float, index: int) -> Motion:
+    """Draw one recording's motion and room temperature."""
     count = round(minutes * 60.0 * rate_hz)
-    if not (rate_hz > 0 and count >= 50):
-        raise UserError(f"a recording needs at least 50 samples, got {minutes:g} min at {rate_hz:g} Hz")
     at = (np.arange(count) + JITTER * rng.uniform(0.0, 1.0, count)) / rate_hz
     at -= at[0]
     pace = max(1.0, SLOWEST_PACE_HZ / rate_hz)
@@ -66,8 +53,7 @@ def draw_motion(
     every = int(np.ceil(FINEST_HZ / rate_hz)) if rate_hz < FINEST_HZ else 1
     t = np.interp(np.arange((count - 1) * every + 1) / every, np.arange(count), at)
     dt = np.diff(t, prepend=t[0] - (t[1] - t[0]))
-    shift, zero = rng.uniform(-0.02, 0.02, 2) if reclamped and index else (0.0, 0.0)
-    return Motion(t, dt, np.interp(t, at, sampled), every, room(rng, t), float(shift), float(zero), index)
+    return Motion(t, dt, np.interp(t, at, sampled), every, room(rng, t), index)
 
 
 def _knots(rng: np.random.Generator, t: Array, spacing_s: float) -> Array:

@@ -12,6 +12,7 @@ import worlds_third
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from gcode.support.errors import UserError
 from testbench.recordings.channels import FORCE, RESISTANCE
 
 SIMULATORS = (worlds_second, worlds_third, worlds_fourth)
@@ -74,3 +75,36 @@ def test_the_noise_is_as_asked(simulator, seed: int) -> None:
 @pytest.mark.parametrize("simulator", SIMULATORS, ids=name_of)
 def test_what_no_catalogue_has_is_no_mechanism_of_it(simulator) -> None:
     assert not set(simulator.MECHANISMS) & set(simulator.UNKNOWN_KINDS)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"effect": "gremlins"}, "no effect 'gremlins'; there are none, unknown, permanent_set"),
+        ({"effect": "slack:purple"}, "slack has no form 'purple'; it has "),
+        ({"effect": "slack,none"}, "none stands alone, got slack,none"),
+        ({"effect": "slack,slack,slack"}, "at most 2 effects at once, got 3"),
+        ({"protocol": "waltz"}, "no protocol 'waltz'; there are "),
+        ({"rate_hz": 1e-3}, "rate_hz must be between "),
+        ({"minutes": 0.01}, "minutes must be between "),
+        ({"strength": -1.0}, "strength must be between "),
+        ({"noise": float("nan")}, "noise must be between "),
+        ({"seed": -1}, "seed must not be negative, got -1"),
+        ({"channels": ["pressure_Pa"]}, "one of the first two at least; got pressure_Pa"),
+        ({"channels": []}, "got none"),
+        ({"effect": "self_heating", "channels": [FORCE]}, "record"),
+        ({"effect": "load_cell_creep", "channels": [RESISTANCE]}, "record"),
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("simulator", SIMULATORS, ids=name_of)
+def test_what_makes_no_sense_is_said(simulator, arguments: dict[str, object], said: str) -> None:
+    with pytest.raises(UserError, match="make_case: ") as error:
+        simulator.make_case(**{"effect": "none", **SHORT, **arguments})
+    assert said in str(error.value)
+
+
+@pytest.mark.parametrize("simulator", SIMULATORS[:2], ids=name_of)
+def test_a_recording_of_too_few_samples_is_refused(simulator) -> None:
+    with pytest.raises(UserError, match="is below 60 samples; record longer"):
+        simulator.make_case("none", minutes=2.0, rate_hz=0.25)

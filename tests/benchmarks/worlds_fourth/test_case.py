@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from worlds_fourth import make_case
 
-from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
 
 SHORT = {"minutes": 2.0}
@@ -46,25 +45,3 @@ def test_one_channel_alone() -> None:
         case = make_case("stress_relaxation", 1.0, seed, channels=[RESISTANCE], **SHORT)
         assert case.truth["effects"][0]["strength_reached"] > 0.3
         assert case.truth["effects"][0]["main_channel"] == "conductance"
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        ({"effect": "gremlins"}, "no effect 'gremlins'; there are none, unknown, permanent_set"),
-        ({"effect": "slack:purple"}, "slack has no law 'purple'; it has too_long"),
-        ({"effect": "slack,slack,slack"}, "at most 2 effects at once, got 3"),
-        ({"protocol": "waltz"}, "no protocol 'waltz'; there is mixed"),
-        ({"rate_hz": 0.1}, "rate_hz must be between 10 and 100, got 0.1"),
-        ({"strength": -1.0}, "strength must be between 0.1 and 1000, got -1"),
-        ({"noise": float("nan")}, "noise must be between 0.1 and 30, got nan"),
-        ({"channels": ["pressure_Pa"]}, "got pressure_Pa"),
-        ({"channels": []}, "got none"),
-        ({"effect": "self_heating", "channels": [FORCE]}, "acts on the conductance alone, which is not recorded"),
-        ({"effect": "load_cell_creep", "channels": [RESISTANCE]}, "acts on the force alone, which is not recorded"),
-    ],
-)
-def test_what_makes_no_sense_is_said(arguments: dict[str, object], said: str) -> None:
-    with pytest.raises(UserError, match="make_case: ") as error:
-        make_case(**{"effect": "none", **SHORT, **arguments})  # type: ignore[arg-type]
-    assert said in str(error.value)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from worlds_fourth import MECHANISMS, UNKNOWN_KINDS, Case, make_case
 from worlds_fourth.case import make_sensor
-from worlds_fourth.effects.choice import KNOWN, UNKNOWN, choose_effect
+from worlds_fourth.effects.choice import KNOWN, OUTSIDE, choose_effect
 from worlds_fourth.effects.effect import Form
 from worlds_fourth.strength import FLOORS, strengths
 
@@ -41,7 +41,7 @@ def test_an_effect_is_as_strong_as_asked_in_the_channel_that_shows_more(name: st
     assert case.truth["verdict"] == ("missing" if name in MECHANISMS else "unknown")
 
 
-@pytest.mark.parametrize("form", [*KNOWN, *UNKNOWN], ids=lambda form: f"{form.mechanism}:{form.name}")
+@pytest.mark.parametrize("form", [*KNOWN, *OUTSIDE], ids=lambda form: f"{form.mechanism}:{form.name}")
 def test_an_effect_of_no_size_is_hardly_any(form: Form) -> None:
     effect = choose_effect(f"{form.mechanism}:{form.name}", SPECIMEN).effect
     none, some = (

@@ -1,0 +1,105 @@
+"""What the simulators `worlds_second`, `worlds_third` and `worlds_fourth` share: a case and how one is asked for.
+
+No physics is here: laws, effects, motions, noise and the measure of strength are each simulator's own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+from zlib import crc32
+
+import numpy as np
+
+from gcode.support.errors import UserError
+from testbench.recordings.channels import FORCE, RESISTANCE
+from testbench.recordings.recording import Recording
+
+CHANNELS = {FORCE: "force", RESISTANCE: "conductance"}
+NONE, UNKNOWN = "none", "unknown"
+MOST = 2  # effects at once
+FEWEST = 60  # samples
+
+
+@dataclass(frozen=True)
+class Case:
+    """Two recordings of one sensor, each of the rested specimen and with its own motion, and what is hidden in them.
+
+    Attributes
+    ----------
+    calibration, held_out : Recording
+    truth : dict
+        Ready for JSON: ``verdict`` (``missing`` where an effect of the catalogue's mechanisms is hidden, ``unknown``
+        where only others are, ``nothing_missing``), ``effects``, ``base``, ``noise_floor``, ``noise_kind``,
+        ``displacement_noise_mm`` and ``recipe``. An effect's ``magnitude`` is in its form's own measure.
+    """
+
+    calibration: Recording
+    held_out: Recording
+    truth: dict[str, Any]
+
+
+def stream(seed: int, *words: str) -> np.random.Generator:
+    """The random stream of a sensor that has these words as its name: drawing more from one never shifts another."""
+    return np.random.default_rng([seed, crc32("/".join(words).encode())])
+
+
+def verdict_of(effects: Sequence[Mapping[str, Any]]) -> str:
+    """What a diagnosis should say of these hidden effects, as the truth tells them."""
+    if not effects:
+        return "nothing_missing"
+    return "missing" if any(one["in_catalogue"] for one in effects) else "unknown"
+
+
+def names_of(effect: str, forms: Mapping[str, Collection[str]]) -> list[str]:
+    """The effects asked for, each ``unknown``, ``name`` or ``name:form``; none for ``"none"``.
+
+    Parameters
+    ----------
+    effect : str
+        One of these, or two joined by a comma.
+    forms : mapping
+        Every effect that there is, with its forms.
+    """
+    names = [name.strip() for name in effect.split(",")]
+    if names == [NONE]:
+        return []
+    if NONE in names:
+        raise UserError(f"make_case: none stands alone, got {effect}")
+    if len(names) > MOST:
+        raise UserError(f"make_case: at most {MOST} effects at once, got {len(names)}; leave some out")
+    for name in names:
+        kind, _, form = name.partition(":")
+        if name != UNKNOWN and kind not in forms:
+            raise UserError(f"make_case: no effect {kind!r}; there are {', '.join([NONE, UNKNOWN, *forms])}")
+        if form and form not in forms[kind]:
+            raise UserError(f"make_case: {kind} has no form {form!r}; it has {', '.join(forms[kind])}")
+    return names
+
+
+def check(
+    asked: Mapping[str, Any], limits: Mapping[str, tuple[float, float]], protocols: Collection[str], *also: str
+):
+    """Whether the arguments of `make_case` make sense; `also` are channels beside force and resistance.
+
+    Raises
+    ------
+    UserError
+        Naming the argument, what is allowed and what came.
+    """
+    for name, (low, high) in limits.items():
+        if not low <= asked[name] <= high:
+            raise UserError(f"make_case: {name} must be between {low:g} and {high:g}, got {asked[name]:g}")
+    if asked["seed"] < 0:
+        raise UserError(f"make_case: seed must not be negative, got {asked['seed']}")
+    minutes, rate_hz = asked["minutes"], asked["rate_hz"]
+    if minutes * 60 * rate_hz < FEWEST:
+        raise UserError(f"make_case: {minutes:g} min at {rate_hz:g} Hz is below {FEWEST} samples; record longer")
+    if asked["protocol"] not in protocols:
+        raise UserError(f"make_case: no protocol {asked['protocol']!r}; there are {', '.join(protocols)}")
+    channels = asked["channels"]
+    if not set(CHANNELS) & set(channels) or not set(channels) <= {*CHANNELS, *also}:
+        came = ", ".join(channels) or "none"
+        allowed = ", ".join([*CHANNELS, *also])
+        raise UserError(f"make_case: channels are {allowed}, one of the first two at least; got {came}")
