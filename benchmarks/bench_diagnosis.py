@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import argparse
 import itertools
-import json
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -31,6 +30,7 @@ import worlds_second
 import worlds_third
 from diagnosis_score import Row, score, tables
 from joblib import Parallel, delayed
+from result_rows import append, read_rows
 
 from testbench import worlds
 from testbench.diagnosis import diagnose
@@ -222,28 +222,6 @@ def line_of(row: Row) -> str:
     sure = max(row["chances"].values(), default=float("nan"))
     said = f"{row['verdict']} ({100 * sure:.0f} %): {', '.join(row['found'] or row['ranked'][:3])}"
     return f"{name} -> {said} | {row['before']:.2f} -> {row['after']:.2f} floors, {row['seconds']:.0f} s"
-
-
-def read_rows(results: Path | None) -> list[Row]:
-    """Rows of a results file; a line that a kill cut short is left out."""
-    rows = []
-    for line in results.read_text(encoding="utf-8").splitlines() if results is not None and results.exists() else ():
-        try:
-            rows.append(json.loads(line))
-        except json.JSONDecodeError:
-            continue
-    return rows
-
-
-def append(results: Path, row: Row) -> None:
-    """Add a row on a line of its own, even after a line that a kill cut short."""
-    with results.open("a+b") as stream:
-        if stream.tell() > 0:
-            stream.seek(-1, 2)
-            cut = stream.read(1) != b"\n"
-        else:
-            cut = False
-        stream.write(b"\n" * cut + json.dumps(row).encode() + b"\n")
 
 
 def the_diagnosis(calibration: Recording, held_out: Recording, catalogue: Catalogue) -> Any:

@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from result_rows import Row
 from sklearn.calibration import calibration_curve
 
-Row = dict[str, Any]
 SURE = 0.9  # a wrong name given with more than this is the worst of errors
 BINS = 10  # of the reliability diagram
 AS_ASKED = 2 / 3  # of the strength that was asked for: some effects cannot be that strong, in some sensors
