@@ -1,6 +1,28 @@
 """What the simulators `worlds_second`, `worlds_third` and `worlds_fourth` share: a case and how one is asked for.
 
 No physics is here: laws, effects, motions, noise and the measure of strength are each simulator's own.
+
+Each has ``MECHANISMS``, ``UNKNOWN_KINDS`` (of no catalogue), ``PROTOCOLS``, ``LAW_FAMILIES``, and a function
+``make_case``, which makes a sensor with a hidden effect and records it twice. Its arguments:
+
+effect : str or None
+    A mechanism or a kind of no catalogue, as ``name`` or ``name:form``; ``"none"``; ``"unknown"``, which draws such a
+    kind; or two of these joined by a comma. None draws.
+strength : float
+    Of each effect, in noise floors, as its simulator measures it. What is out of reach ends lower; the truth says
+    what was reached.
+seed : int
+    One seed is one sensor with its motions and noise, whatever the effect.
+minutes, rate_hz : float
+    Length of each recording and its sampling rate.
+noise : float
+    1 is the noise of the paper's rig (5 mN, 8e-4 in ln G).
+protocol : str
+    The kind of motion.
+channels : sequence of str
+    ``force_N``, ``resistance_ohm`` or both, and what else the simulator records.
+
+An argument out of its range, or an effect that shows in no recorded channel, is a `UserError`.
 """
 
 from __future__ import annotations

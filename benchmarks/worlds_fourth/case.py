@@ -39,33 +39,11 @@ def make_case(
     protocol: str = "mixed",
     channels: Sequence[str] = (FORCE, RESISTANCE),
 ) -> Case:
-    """Make a sensor with a hidden effect and record it twice.
+    """See `simulated_case`.
 
-    Parameters
-    ----------
-    effect : str, optional
-        A mechanism (`MECHANISMS`) or a kind of no catalogue (`UNKNOWN_KINDS`), as ``name`` or ``name:law``;
-        ``"none"``; ``"unknown"``, which draws such a kind; or two of these joined by a comma. None draws a mechanism.
-    strength : float
-        Of each effect, in floors of 5 mN and of 4e-3 in ln R (see `strength`), times `noise`, in the channel that
-        shows it more. What is out of every size's reach ends lower; the truth says what was reached.
-    seed : int
-        One seed is one sensor with its motions and noise, whatever the effect.
-    minutes, rate_hz : float
-        Length of each recording (1 to 240) and about its sampling rate (10 to 100).
-    noise : float
-        1 is the noise of the paper's rig (5 mN, 8e-4 in ln R); 0.1 to 30.
-    protocol : str
-        ``mixed``: noise with holds, a rest and triangles.
-    channels : sequence of str
-        ``force_N``, ``resistance_ohm`` or both. Where the resistance alone is recorded and the effect is of the
-        force, the contacts of this sensor feel the force.
-
-    Raises
-    ------
-    UserError
-        If an argument is out of its range, or the effect shows in no recorded channel; the message says what is
-        allowed.
+    The strength is in floors of 5 mN and of 4e-3 in ln R (see `strength`), times `noise`, in the channel that shows
+    the effect more. Where the resistance alone is recorded and the effect is of the force, the contacts of this
+    sensor feel the force.
     """
     recipe = {**locals(), "channels": list(channels)}
     check(recipe, LIMITS, PROTOCOLS)

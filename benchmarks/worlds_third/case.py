@@ -40,33 +40,11 @@ def make_case(
     protocol: str = "perlin",
     channels: Sequence[str] = (FORCE, RESISTANCE),
 ) -> Case:
-    """Make a sensor with a hidden effect and record it twice.
+    """See `simulated_case`.
 
-    Parameters
-    ----------
-    effect : str, optional
-        A mechanism (`MECHANISMS`) or a kind of no catalogue (`UNKNOWN_KINDS`), as ``name`` or ``name:form``;
-        ``"none"``; ``"unknown"``, which draws such a kind; or two of these joined by a comma. None draws a mechanism.
-    strength : float
-        RMS, in noise floors of its main channel, of what smooth functions of strain, direction and time cannot absorb
-        of the effect (see `strength`); of the strain, the channel that shows it more. What is out of every form's
-        reach ends lower; the truth says what was reached.
-    seed : int
-        One seed is one sensor with its motions and noise, whatever the effect.
-    minutes, rate_hz : float
-        Length of each recording (1 to 240) and its sampling rate (0.2 to 200; at least 60 samples).
-    noise : float
-        1 is the noise of the paper's rig (5 mN, 8e-4 in ln G); 0.1 to 30.
-    protocol : str
-        ``perlin``, ``ramp_hold``, ``cyclic`` or ``multisine``.
-    channels : sequence of str
-        ``force_N``, ``resistance_ohm`` or both, and ``temperature_C`` if wanted. Where the resistance alone is
-        recorded and the effect is of the force, the contacts of this sensor are pressed by the force.
-
-    Raises
-    ------
-    UserError
-        If an argument is out of its range; the message says what is allowed.
+    The strength is what smooth functions of strain, direction and time cannot absorb of the effect in its main
+    channel (see `strength`); of the strain, in the channel that shows it more. Where the resistance alone is recorded
+    and the effect is of the force, the contacts of this sensor are pressed by the force.
     """
     recipe = {**locals(), "channels": list(channels)}
     check(recipe, LIMITS, PROTOCOLS, TEMPERATURE)
