@@ -11,15 +11,6 @@ from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
 SHORT = {"minutes": 2.0}
 
 
-def test_a_law_of_the_effect_is_drawn_by_the_seed_whatever_the_strength() -> None:
-    forms = [
-        [make_case("rate_resistance", strength, seed, **SHORT).truth["effects"][0]["form"] for seed in range(6)]
-        for strength in (1.0, 2.0)
-    ]
-    assert forms[0] == forms[1]
-    assert len(set(forms[0])) > 1
-
-
 def test_the_recordings_are_of_one_sensor_and_move_on_their_own() -> None:
     case = make_case("none", 5.0, 3, **SHORT)
     for recording in (case.calibration, case.held_out):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from worlds_fourth import MECHANISMS, UNKNOWN_KINDS, Case, make_case
@@ -28,6 +30,14 @@ def test_the_catalogue_has_every_mechanism_and_none_of_the_other_kinds() -> None
     effects = load_catalogue().effects
     assert set(MECHANISMS) <= set(effects)
     assert not set(UNKNOWN_KINDS) & set(effects)
+
+
+def test_seeds_draw_all_laws_of_an_effect() -> None:
+    specimens = [replace(SPECIMEN, seed=seed) for seed in range(60)]
+    drawn = [choose_effect(name, specimen).form for name in KINDS for specimen in specimens]
+    assert {(form.mechanism, form.name) for form in drawn} == {
+        (form.mechanism, form.name) for form in (*KNOWN, *OUTSIDE)
+    }
 
 
 @pytest.mark.parametrize("name", KINDS)
