@@ -21,6 +21,11 @@ protocol : str
     The kind of motion.
 channels : sequence of str
     ``force_N``, ``resistance_ohm`` or both, and what else the simulator records.
+laws : str
+    Only sensors with these base laws (see `laws_of`); what else is drawn stays as it was. Second and third.
+reclamped : bool
+    The sensor was clamped anew for the held-out recording: displacement and force have other zeros there. Second and
+    third.
 
 An argument out of its range, or an effect that shows in no recorded channel, is a `UserError`.
 """
@@ -55,11 +60,14 @@ class Case:
         Ready for JSON: ``verdict`` (``missing`` where an effect of the catalogue's mechanisms is hidden, ``unknown``
         where only others are, ``nothing_missing``), ``effects``, ``base``, ``noise_floor``, ``noise_kind``,
         ``displacement_noise_mm`` and ``recipe``. An effect's ``magnitude`` is in its form's own measure.
+    clamp_play_mm : float
+        By how much the zero of the displacement may differ between the two; 0 unless the sensor was clamped anew.
     """
 
     calibration: Recording
     held_out: Recording
     truth: dict[str, Any]
+    clamp_play_mm: float = 0.0
 
 
 def stream(seed: int, *words: str) -> np.random.Generator:
@@ -98,6 +106,32 @@ def names_of(effect: str, forms: Mapping[str, Collection[str]]) -> list[str]:
         if form and form not in forms[kind]:
             raise UserError(f"make_case: {kind} has no form {form!r}; it has {', '.join(forms[kind])}")
     return names
+
+
+def laws_of(asked: str, families: Mapping[str, Collection[str]]) -> dict[str, list[str]]:
+    """The laws of every family that may be drawn.
+
+    Parameters
+    ----------
+    asked : str
+        ``family=law,law`` for these alone, ``family!=law`` for all but this; several with spaces between.
+    families : mapping
+        Every family with its laws.
+    """
+    allowed = {family: list(laws) for family, laws in families.items()}
+    for part in asked.split():
+        given, _, named = part.partition("=")
+        family, laws = given.removesuffix("!"), named.split(",")
+        if family not in families:
+            raise UserError(f"laws: no family {family!r}; there are {', '.join(families)}")
+        strange = [law for law in laws if law not in families[family]]
+        allowed[family] = [law for law in allowed[family] if (law in laws) != given.endswith("!")]
+        if strange or not allowed[family]:
+            raise UserError(
+                f"laws: {family}=law,law or {family}!=law, of {', '.join(families[family])}, at least one left; "
+                f"got {asked}"
+            )
+    return allowed
 
 
 def check(

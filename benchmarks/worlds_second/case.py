@@ -11,7 +11,7 @@ from simulated_case import Case, check, stream, verdict_of
 from testbench.recordings.channels import FORCE, RESISTANCE, TEMPERATURE
 from worlds_second.chain import Hook
 from worlds_second.choice import Hidden, choose
-from worlds_second.protocols import PROTOCOLS, draw_motion
+from worlds_second.protocols import PLAY, PROTOCOLS, draw_motion
 from worlds_second.rig import Rig
 from worlds_second.sensor import draw_sensor
 from worlds_second.strength import reach
@@ -29,6 +29,8 @@ def make_case(
     noise: float = 1.0,
     protocol: str = "perlin",
     channels: Sequence[str] = (FORCE, RESISTANCE),
+    laws: str = "",
+    reclamped: bool = False,
 ) -> Case:
     """See `simulated_case`.
 
@@ -37,9 +39,9 @@ def make_case(
     """
     recipe = {**locals(), "channels": list(channels)}
     check(recipe, LIMITS, PROTOCOLS, TEMPERATURE)
-    sensor = draw_sensor(seed)
+    sensor = draw_sensor(seed, laws)
     motions = [
-        draw_motion(stream(seed, "motion", protocol, str(index)), protocol, minutes, rate_hz, index)
+        draw_motion(stream(seed, "motion", protocol, str(index)), protocol, minutes, rate_hz, index, reclamped)
         for index in (0, 1)
     ]
     rig = Rig(sensor, seed, noise, motions, channels)
@@ -54,7 +56,7 @@ def make_case(
         "displacement_noise_mm": rig.displacement_noise_mm,
         "recipe": recipe,
     }
-    return Case(rig.record(0, hooks), rig.record(1, hooks), truth)
+    return Case(rig.record(0, hooks), rig.record(1, hooks), truth, reclamped * PLAY * sensor.stroke_mm)
 
 
 def _scaled(rig: Rig, hidden: Sequence[Hidden], strength: float) -> tuple[list[Hook], list[dict[str, Any]]]:

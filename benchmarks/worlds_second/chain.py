@@ -110,12 +110,12 @@ def simulate(
 ) -> tuple[Readings, Signals]:
     """Run the chain; the converters' stage is left to `converted`, since noise comes before it."""
     s = Signals(motion, sensor, scales, seed, motion.t, motion.dt, motion.room_K)
-    s.e = motion.x + sensor.pretension
+    s.e = motion.x + sensor.pretension + motion.shift
     _open(s, "kinematics", hooks)
     s.e = np.maximum(s.e, 0.0)
     _mechanics(s, hooks)
     _electrics(s, hooks)
-    s.force_N = s.sensor.force_full_N * s.f
+    s.force_N = s.sensor.force_full_N * (s.f + motion.zero)
     s.ln_read = s.ln_g
     _open(s, "force_readout", hooks)
     _open(s, "resistance_readout", hooks)

@@ -17,6 +17,7 @@ FINEST_HZ = 20.0  # the physics runs at least this fast
 JITTER = 0.02  # of the sampling period
 SLOWEST_PACE_HZ = 2.0  # below this rate the protocol slows down with it
 START_S = 4.0
+PLAY = 0.02  # of the clamps, relative to stroke and full scale
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,10 @@ class Motion:
         Each so-manieth point is a sample.
     room_K : ndarray, shape (n,)
         How much warmer the room is than at a calm start.
+    shift : float
+        Relative stroke by which a sensor that was clamped anew sits elsewhere; not in the recorded displacement.
+    zero : float
+        Zero error of the force after clamping anew, relative to full scale.
     index : int
         0 for the calibration, 1 for the held-out recording.
     """
@@ -40,11 +45,15 @@ class Motion:
     x: Array
     every: int
     room_K: Array
+    shift: float = 0.0
+    zero: float = 0.0
     index: int = 0
 
 
-def draw_motion(rng: np.random.Generator, protocol: str, minutes: float, rate_hz: float, index: int) -> Motion:
-    """Draw one recording's motion and room temperature."""
+def draw_motion(
+    rng: np.random.Generator, protocol: str, minutes: float, rate_hz: float, index: int, reclamped: bool = False
+) -> Motion:
+    """Draw one recording's motion, room temperature and, if clamped anew, its zeros."""
     count = round(minutes * 60.0 * rate_hz)
     at = (np.arange(count) + JITTER * rng.uniform(0.0, 1.0, count)) / rate_hz
     at -= at[0]
@@ -53,7 +62,9 @@ def draw_motion(rng: np.random.Generator, protocol: str, minutes: float, rate_hz
     every = int(np.ceil(FINEST_HZ / rate_hz)) if rate_hz < FINEST_HZ else 1
     t = np.interp(np.arange((count - 1) * every + 1) / every, np.arange(count), at)
     dt = np.diff(t, prepend=t[0] - (t[1] - t[0]))
-    return Motion(t, dt, np.interp(t, at, sampled), every, room(rng, t), index)
+    room_K = room(rng, t)
+    shift, zero = rng.uniform(-PLAY, PLAY, 2) if reclamped and index else (0.0, 0.0)
+    return Motion(t, dt, np.interp(t, at, sampled), every, room_K, float(shift), float(zero), index)
 
 
 def _knots(rng: np.random.Generator, t: Array, spacing_s: float) -> Array:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from simulated_case import stream
+from simulated_case import laws_of, stream
 
 from worlds_second.draws import draw_all
 from worlds_second.laws import FAMILIES, LAW_FAMILIES, Member
@@ -93,9 +93,9 @@ class Sensor:
         return {**sizes, **laws}
 
 
-def draw_sensor(seed: int) -> Sensor:
-    """Draw the sensor of a seed."""
-    laws = {family: _draw_law(seed, family, names) for family, names in LAW_FAMILIES.items()}
+def draw_sensor(seed: int, asked: str = "") -> Sensor:
+    """Draw the sensor of a seed, on wish with some laws only (see `laws_of`)."""
+    laws = {family: _draw_law(seed, family, names) for family, names in laws_of(asked, LAW_FAMILIES).items()}
     rng = stream(seed, "sizes")
     ranges, chance = (TYPICAL, SOFT, STIFF), rng.choice(3, p=[0.74, 0.13, 0.13])
     return Sensor(

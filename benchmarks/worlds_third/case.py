@@ -27,6 +27,7 @@ STROKE_S = (3.0, 15.0)  # time of a stroke
 SLOWEST, SAMPLES = 10.0, 12.0  # at least so many strokes in a recording, so many samples in a stroke
 ROOM_C = 1.2  # RMS of the room's temperature about 22 degrees
 STEPS_PER_MM = (160.0, 800.0)  # of the stepper motor
+ZERO_STRAIN, ZERO_FORCE_N = (-0.02, 0.03), (-0.02, 0.02)  # after clamping anew; the strain over the stroke
 
 
 def make_case(
@@ -39,6 +40,8 @@ def make_case(
     noise: float = 1.0,
     protocol: str = "perlin",
     channels: Sequence[str] = (FORCE, RESISTANCE),
+    laws: str = "",
+    reclamped: bool = False,
 ) -> Case:
     """See `simulated_case`.
 
@@ -50,8 +53,8 @@ def make_case(
     check(recipe, LIMITS, PROTOCOLS, TEMPERATURE)
     recorded = [CHANNELS[name] for name in channels if name in CHANNELS]
     names = asked_for(effect, seed)
-    sensor = make_sensor(seed, pressed_by_force=_is_felt_by_force_alone(names, seed, recorded))
-    rig = _Rig(sensor, seed, minutes, rate_hz, protocol)
+    sensor = make_sensor(seed, laws, pressed_by_force=_is_felt_by_force_alone(names, seed, recorded))
+    rig = _Rig(sensor, seed, minutes, rate_hz, protocol, reclamped)
     floors = {"force": noises.FORCE_N * noise, "conductance": noises.LOG_G * noise}
     sized = [_sized(rig, name, strength, {k: floors[k] for k in recorded}) for name in names]
     made = rig.run([(one, told["magnitude"]) for one, told in sized])
@@ -67,17 +70,21 @@ def make_case(
         "displacement_noise_mm": float(rig.motor_step_mm / np.sqrt(12.0)),
         "recipe": recipe,
     }
-    return Case(first, second, truth)
+    return Case(first, second, truth, reclamped * max(ZERO_STRAIN) * sensor.stroke_mm)
 
 
 class _Rig:
     """Sensor, motions and instruments of one seed."""
 
-    def __init__(self, sensor: Sensor, seed: int, minutes: float, rate_hz: float, protocol: str) -> None:
-        self.sensor, self.seed = sensor, seed
+    def __init__(
+        self, sensor: Sensor, seed: int, minutes: float, rate_hz: float, protocol: str, reclamped: bool
+    ) -> None:
+        self.sensor, self.seed, self.reclamped = sensor, seed, reclamped
         self.motor_step_mm = 1.0 / between(stream(seed, "motor"), *STEPS_PER_MM)
         parts = steps_between(rate_hz)
         self.moved = [self._moved(name, minutes, rate_hz, parts, protocol) for name in RECORDINGS]
+        self.zero_strain = between(stream(seed, "clamps/strain"), *ZERO_STRAIN) if reclamped else 0.0
+        self.zero_force_N = between(stream(seed, "clamps/force"), *ZERO_FORCE_N) if reclamped else 0.0
         self.base = self.run([])
         force, log_g = (np.concatenate(one) for one in zip(*((s.force, s.log_g) for s in self.base), strict=True))
         self.tops = (float(force.max()), float(log_g.min()), float(log_g.max()))
@@ -89,6 +96,8 @@ class _Rig:
         made = []
         for name, (time_s, drive, room, rate_hz, parts) in zip(RECORDINGS, self.moved, strict=True):
             s = Signals(time_s, drive, room, rate_hz, parts, self.tops)
+            if name == RECORDINGS[1]:
+                s.strain = s.strain + self.zero_strain
             hooks: list[Hook] = [effect.hook(size, name) for effect, size in effects]
             made.append(respond(self.sensor, s, hooks))
         return made
@@ -112,7 +121,7 @@ def _is_felt_by_force_alone(names: Sequence[str], seed: int, recorded: list[str]
 def _sized(rig: _Rig, name: str, strength: float, floors: Mapping[str, float]) -> tuple[Effect, dict[str, Any]]:
     """A form of the effect that reaches the strength, or the one of a few that comes closest, and what to tell."""
     scaled = {k: v / rig.sensor.sizes["force_full_N"] if k == "force" else v for k, v in floors.items()}
-    absorption = Absorption(rig.base, scaled)
+    absorption = Absorption(rig.base, scaled, rig.reclamped)
     found: list[tuple[float, Effect, float]] = []
     for attempt in range(ATTEMPTS):
         effect = choose_effect(name, rig.seed, attempt, list(floors))
@@ -145,7 +154,8 @@ def _recording(
     sizes, keep = rig.sensor.sizes, slice(None, None, s.parts)
     rng = stream(rig.seed, f"noise/{name}")
     count = len(s.time_s[keep])
-    force_N = s.force[keep] * sizes["force_full_N"] + floors["force"] * noises.force_noise(rng, kind, count)
+    zero_N = rig.zero_force_N if name == RECORDINGS[1] else 0.0
+    force_N = s.force[keep] * sizes["force_full_N"] + zero_N + floors["force"] * noises.force_noise(rng, kind, count)
     log_g = s.log_g[keep] + floors["conductance"] * noises.resistance_noise(rng, kind, s.log_g[keep])
     room_C = 22.0 + ROOM_C * s.room[keep] + 0.02 * rng.normal(size=count)
     step = rig.motor_step_mm

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from simulated_case import stream
+from simulated_case import laws_of, stream
 
 from worlds_third.laws import FAMILIES, LAW_FAMILIES
 from worlds_third.laws.law import Chosen
@@ -52,13 +52,18 @@ class Sensor:
         return {"max_strain": self.max_strain, **self.sizes, **signs, **{k: v.told() for k, v in self.laws.items()}}
 
 
-def make_sensor(seed: int, pressed_by_force: bool = False) -> Sensor:
-    """Draw a sensor, on wish one whose contacts are pressed by the force; all else of it stays as it was."""
+def make_sensor(seed: int, asked: str = "", pressed_by_force: bool = False) -> Sensor:
+    """Draw a sensor, on wish with some laws only (see `laws_of`), or with contacts that the force presses.
+
+    The laws asked for come first. All else of it stays as it was.
+    """
     rng = stream(seed, "sensor")
     drawn = draw(rng, {"max_strain": ANY_STRAIN if rng.uniform() < UNUSUAL else USUAL_STRAIN})
     sizes = draw(rng, SIZES)
     signs = rng.choice([-1.0, 1.0], size=2, p=[0.3, 0.7])
-    allowed = LAW_FAMILIES | ({"drive": ["by_force"]} if pressed_by_force else {})
+    allowed = laws_of(asked, LAW_FAMILIES)
+    if pressed_by_force and "by_force" in allowed["drive"]:
+        allowed["drive"] = ["by_force"]
     laws = {family: _chosen(seed, family, names) for family, names in allowed.items()}
     return Sensor(drawn["max_strain"], sizes, float(signs[0]), float(signs[1]), laws)
 

@@ -2,7 +2,8 @@
 
 The base that absorbs is this file's own: a cubic in strain, the reading without the effect and its square (so an
 amplitude, an offset or a curvature of the base hides nothing), the direction of motion over two distances with a
-slope over strain, and two logarithms and the square root of time. One set of weights serves both recordings.
+slope over strain, and two logarithms and the square root of time. One set of weights serves both recordings; a
+specimen clamped anew has a quadratic in strain of its own.
 """
 
 from __future__ import annotations
@@ -23,11 +24,11 @@ START = 1e-5  # first size tried, over the form's limit
 class Absorption:
     """Takes from a difference of readings what base functions can explain."""
 
-    def __init__(self, base: Sequence[Signals], floors: Mapping[str, float]) -> None:
+    def __init__(self, base: Sequence[Signals], floors: Mapping[str, float], reclamped: bool) -> None:
         self.floors = floors
         self._every = [max(1, len(s.time_s) // MOST_ROWS) for s in base]
         self._base = {name: self._thinned(base, name) for name in floors}
-        self._planes = {name: self._plane(base, name) for name in floors}
+        self._planes = {name: self._plane(base, name, reclamped) for name in floors}
 
     def left(self, changed: Sequence[Signals]) -> dict[str, float]:
         """RMS of what is left of the change of each channel, in noise floors."""
@@ -42,9 +43,12 @@ class Absorption:
         change = change - plane @ (plane.T @ change)
         return float(np.sqrt(np.mean(change**2))) / self.floors[name]
 
-    def _plane(self, base: Sequence[Signals], name: str) -> Array:
+    def _plane(self, base: Sequence[Signals], name: str, reclamped: bool) -> Array:
         rows = [np.column_stack(_columns(s, _reading(s, name)))[::k] for s, k in zip(base, self._every, strict=True)]
         columns = np.concatenate(rows)
+        if reclamped:
+            own = np.concatenate([np.zeros((len(rows[0]), 3)), rows[1][:, :3]])
+            columns = np.column_stack([columns, own])
         columns = columns / np.sqrt(np.mean(columns**2, axis=0) + 1e-30)
         directions, sizes, _ = np.linalg.svd(columns, full_matrices=False)
         return directions[:, sizes > 1e-9 * sizes[0]]

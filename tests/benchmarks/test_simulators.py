@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gcode.support.errors import UserError
-from testbench.recordings.channels import FORCE, RESISTANCE
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
 
 SIMULATORS = (worlds_second, worlds_third, worlds_fourth)
 SHORT = {"minutes": 2.0, "rate_hz": 20.0}
@@ -102,6 +102,40 @@ def test_what_makes_no_sense_is_said(simulator, arguments: dict[str, object], sa
     with pytest.raises(UserError, match="make_case: ") as error:
         simulator.make_case(**{"effect": "none", **SHORT, **arguments})
     assert said in str(error.value)
+
+
+@pytest.mark.parametrize("simulator", SIMULATORS[:2], ids=name_of)
+def test_a_sensor_has_the_laws_that_are_asked_for_and_else_stays_as_it_was(simulator) -> None:
+    for seed in range(4):
+        plain = simulator.make_case("none", seed=seed, **SHORT).truth["base"]
+        usual = plain["elasticity"]["law"]
+        case = simulator.make_case("none", seed=seed, laws=f"drift=power,none elasticity!={usual}", **SHORT)
+        base = case.truth["base"]
+        assert base["drift"]["law"] in ("power", "none")
+        assert base["elasticity"]["law"] != usual
+        others = plain.keys() - {"drift", "elasticity"}
+        assert {name: base[name] for name in others} == {name: plain[name] for name in others}
+
+
+@pytest.mark.parametrize("laws", ["colour=red", "drift=red", "drift", "drift=none drift!=none"])
+@pytest.mark.parametrize("simulator", SIMULATORS[:2], ids=name_of)
+def test_laws_that_there_are_not_are_refused(simulator, laws: str) -> None:
+    with pytest.raises(UserError, match=r"laws: .* (there are|of) "):
+        simulator.make_case("none", laws=laws, **SHORT)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("simulator", SIMULATORS[:2], ids=name_of)
+def test_a_sensor_clamped_anew_has_other_zeros_in_the_held_out_recording_alone(simulator, seed: int) -> None:
+    plain, case = (simulator.make_case("none", seed=seed, reclamped=again, **SHORT) for again in (False, True))
+    stroke_mm = np.ptp(case.calibration[DISPLACEMENT])
+    assert (plain.clamp_play_mm, case.clamp_play_mm) == (0.0, pytest.approx(0.025 * stroke_mm, rel=0.3))
+    before, after = plain.held_out, case.held_out
+    for name in (DISPLACEMENT, FORCE, RESISTANCE):
+        assert np.array_equal(plain.calibration[name], case.calibration[name])
+        assert np.array_equal(before[name], after[name]) == (name == DISPLACEMENT)
+    change_N = after[FORCE] - before[FORCE]
+    assert 0 < np.abs(change_N).max() < 0.2 * np.ptp(before[FORCE])
 
 
 @pytest.mark.parametrize("simulator", SIMULATORS[:2], ids=name_of)

@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from worlds_third import LAW_FAMILIES, PROTOCOLS, make_case
+from worlds_third.case import _Rig
+from worlds_third.sensor import make_sensor
+from worlds_third.strength import Absorption
 
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
 
@@ -63,3 +66,17 @@ def test_one_channel_alone_and_the_room() -> None:
     plain = make_case("none", 5.0, 1, channels=[RESISTANCE, TEMPERATURE], **SHORT)
     change = np.log(room.calibration[RESISTANCE] / plain.calibration[RESISTANCE])
     assert abs(np.corrcoef(change, room.calibration[TEMPERATURE])[0, 1]) > 0.99
+
+
+def test_contacts_are_pressed_by_the_force_unless_other_laws_are_asked_for() -> None:
+    drives = [make_sensor(1, asked, pressed_by_force=True).laws["drive"].name for asked in ("", "drive=by_strain")]
+    assert drives == ["by_force", "by_strain"]
+
+
+def test_another_zero_of_the_displacement_is_no_effect_in_a_sensor_clamped_anew() -> None:
+    rig = _Rig(make_sensor(3), 3, 2.0, 20.0, "perlin", reclamped=True)
+    changed = rig.run([])
+    changed[1].force = changed[1].force + 0.1 + 0.2 * changed[1].drive
+    plain, anew = (Absorption(rig.base, {"force": 1e-3}, again).left(changed)["force"] for again in (False, True))
+    assert plain > 10.0
+    assert anew == pytest.approx(0.0, abs=1e-6)
