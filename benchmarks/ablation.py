@@ -19,8 +19,9 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from bench_diagnosis import EFFECTS, OF_ONE_WORLD, Job, append, catalogue_for, jobs_of, line_of, read_rows, scored
-from diagnosis_score import Row, at_a_glance, goals, markdown
+from bench_diagnosis import EFFECTS, OF_ONE_WORLD, Job, catalogue_for, jobs_of, line_of, scored
+from diagnosis_score import at_a_glance, goals, markdown
+from result_rows import Row, append, read_rows
 
 from testbench.diagnosis.conclusion import concluded
 from testbench.diagnosis.judging.entries import Entry

@@ -18,11 +18,11 @@ from compensator_options import MEASURED, SIMULATED, add_campaigns, add_kinds, a
 from compensator_rivals import seed_of
 
 from compensation.model.compensator import TrainedCompensator
-from compensation.series.preprocessing import Series, series_of
+from compensation.series.preprocessing import Series
 from compensation.training.auto import train_automatically
 from compensation.training.options import Options
 
-RATE_HZ, MOMENTS = 20.0, 40
+MOMENTS = 40
 # In samples: where moments begin, what is looked at after each, and what of it is left out.
 AFTER, LOOKED_AT, LEFT_OUT = 1200, 400, 20
 GOAL = 1.5
@@ -51,7 +51,7 @@ def main() -> None:
 
 def _ratio(case: Case, target: str) -> Iterator[float]:
     """Cold over running error on the first test of a case; nothing where that is too short."""
-    learned, (part, *_) = ([series_of(one, target, RATE_HZ) for one in half] for half in case.load())
+    learned, (part, *_) = case.series(target)
     if len(part) < AFTER + 2 * LOOKED_AT:
         return
     trained = train_automatically(learned, target, Options(seed=seed_of(case.name, target)))

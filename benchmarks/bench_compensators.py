@@ -11,7 +11,6 @@ compared on the measured, the other and the further pairs. The unseen pairs chos
 from __future__ import annotations
 
 import argparse
-import json
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -21,11 +20,12 @@ from compensator_cases import Case, material, real, simulated
 from compensator_options import MEASURED, SIMULATED, add_campaigns, add_kinds, add_specimens, names
 from compensator_rivals import OURS, available, seed_of
 from joblib import Parallel, delayed
+from result_rows import append, read_rows
 
 from compensation.series import score
-from compensation.series.preprocessing import TARGETS, Series, series_of
+from compensation.series.preprocessing import TARGETS, Series
 
-RATE_HZ, SMALL = 20.0, 1500
+SMALL = 1500
 HEADINGS = {
     "measured": "Measured pairs on which rules of auto were compared: r2 on the second, trained on the first",
     "others": "Other materials, on which rules of auto were compared as well: r2 on the second, trained on the first",
@@ -60,11 +60,10 @@ def main() -> None:
         for case in cases
         for target in case.targets
     )
-    with results.open("a") as file:
-        for rows in Parallel(n_jobs=args.jobs, return_as="generator")(jobs):
-            for row in rows:
-                known[row["case"], row["target"], row["method"]] = row
-                print(json.dumps(row), file=file, flush=True)
+    for rows in Parallel(n_jobs=args.jobs, return_as="generator")(jobs):
+        for row in rows:
+            known[row["case"], row["target"], row["method"]] = row
+            append(results, row)
     print("\n".join([*tables(known, cases, args.methods), *notes]))
 
 
@@ -73,7 +72,7 @@ def judged(case: Case, target: str, names: Sequence[str]) -> list[dict]:
     if not names:
         return []
     methods, _ = available()
-    training, tests = ([series_of(one, target, RATE_HZ) for one in part] for part in case.load())
+    training, tests = case.series(target)
     sign = np.sign(np.corrcoef(training[0].conductance_S, training[0].truth)[0, 1])
     raw = float(np.mean([score.r2_before(part.truth, part.conductance_S, sign) for part in tests]))
     rows = []
@@ -105,10 +104,8 @@ def _mean(judge: Callable[..., float], tests: Sequence[Series], predicted: Seque
 
 def read(results: Path) -> dict[tuple[str, str, str], dict]:
     """What is known already: (case, target, method) -> row; a row of an older benchmark, with less in it, is not."""
-    if not results.exists():
-        return {}
-    rows = [json.loads(text) for text in results.read_text().splitlines()]
-    return {(row["case"], row["target"], row["method"]): row for row in rows if JUDGES.keys() <= row.keys()}
+    rows = (row for row in read_rows(results) if JUDGES.keys() <= row.keys())
+    return {(row["case"], row["target"], row["method"]): row for row in rows}
 
 
 def tables(known: Mapping[tuple[str, str, str], dict], cases: Sequence[Case], methods: Sequence[str]) -> list[str]:

@@ -20,7 +20,7 @@ from itertools import combinations
 from pathlib import Path
 
 import numpy as np
-from compensator_cases import real
+from compensator_cases import RATE_HZ, real
 from compensator_options import MEASURED, SIMULATED, add_campaigns, add_kinds, add_specimens
 from compensator_rivals import seed_of
 
@@ -32,7 +32,7 @@ from compensation.training.intervals import of_another
 from compensation.training.learners import Ridge, Sums
 from compensation.training.options import Options
 
-RATE_HZ, RIDGE_L2 = 20.0, 1e-2
+RIDGE_L2 = 1e-2
 
 
 def main() -> None:
@@ -110,7 +110,7 @@ def _measured(kind: str, target: str) -> Iterator[tuple[str, list[float]]]:
     for case in real([kind]):
         if target not in case.targets:
             continue
-        learned, tests = ([series_of(one, target, RATE_HZ) for one in part] for part in case.load())
+        learned, tests = case.series(target)
         compensator = train_automatically(learned, target, Options(seed=seed_of(case.name, target)))
         shares += _inside(compensator, tests)
     if shares:

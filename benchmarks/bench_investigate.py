@@ -21,9 +21,8 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from bench_diagnosis import append, read_rows
-from diagnosis_score import Row
 from joblib import Parallel, delayed
+from result_rows import Row, append, read_rows
 
 from gcode.support.files import copy_file, make_folder
 from testbench.campaigns.plan import PROGRAM

@@ -18,15 +18,16 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
-from compensator_ageing import chain
-from compensator_cases import Case, real
+from compensator_cases import RATE_HZ, Case, real
 from compensator_options import MEASURED, SIMULATED, add_campaigns, add_specimens, names
 from compensator_rivals import seed_of
 
 from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import ready_for_use
+from compensation.paper.paper_campaigns import SEEDS_A_SET, planned, recorded
 from compensation.series import score
 from compensation.series.preprocessing import TARGETS, Series, series_of
 from compensation.training.auto import train_automatically
@@ -34,9 +35,11 @@ from compensation.training.learners import linear
 from compensation.training.options import Options
 from compensation.training.recalibration import recalibrated
 from compensation.training.untrained import training_arrays, untrained
+from testbench.recordings.recording import Recording
 
-RATE_HZ, REST_S, FIRST_S = 20.0, 10.0, 60.0
+REST_S, FIRST_S = 10.0, 60.0
 LATER = (4, 8, 12)
+TRAJECTORIES, FIRST_SEED = ("paper-1", "paper-2", "paper-3"), 500  # in turn; of the first campaign, less one
 WAYS = ("as it is", "rest", "30 s", "60 s")
 PAIR_WAYS = ("raw", "line", "line, ref.", "auto", "auto, rest", "auto, ref.")
 JUDGES = (score.r2, score.r2_ordinary)
@@ -61,7 +64,7 @@ def main() -> None:
     print(f"ordinary r2 after the first minute, mean (worst) over specimens {shown}")
     print(f"{'':20} {'tested on':20}" + "".join(f" {way:>16}" for way in WAYS))
     for sensor in SIMULATED:
-        runs = {number: chain(args.campaigns, sensor, number, (1, *LATER)) for number in args.sets}
+        runs = {number: _campaigns(args.campaigns, sensor, number) for number in args.sets}
         for target in TARGETS:
             series = {n: {w: series_of(r, target, RATE_HZ) for w, r in runs[n].items()} for n in args.sets}
             table: dict[str, list[list[float]]] = {}
@@ -71,6 +74,26 @@ def main() -> None:
                 found = np.array(rows)
                 cells = [f"{m:.3f} ({w:.3f})" for m, w in zip(found.mean(axis=0), found.min(axis=0), strict=True)]
                 print(f"{sensor + ' ' + target:20} {name:20}" + "".join(f" {cell:>16}" for cell in cells), flush=True)
+
+
+def _campaigns(folder: Path, sensor: str, number: int) -> dict[int, Recording]:
+    """The first and the later campaigns of a specimen by their numbers; those before each are its past."""
+    seeds = {which: FIRST_SEED + which + SEEDS_A_SET * number for which in range(1, LATER[-1] + 1)}
+    programs = [
+        planned(folder / f"trajectory-age{which}-{number}", TRAJECTORIES[(which - 1) % len(TRAJECTORIES)], seed)
+        for which, seed in seeds.items()
+    ]
+    return {
+        which: recorded(
+            folder / f"{sensor}-age{which}-{number}",
+            programs[which - 1],
+            sensor,
+            number,
+            seeds[which],
+            tuple(programs[: which - 1]),
+        )
+        for which in (1, *LATER)
+    }
 
 
 def _report_pairs(cases: Sequence[Case], seconds: float) -> None:
@@ -104,7 +127,7 @@ def _cells(found: np.ndarray) -> str:
 
 def _pair(case: Case, target: str, seconds: float) -> np.ndarray | None:
     """Two scores each way, shape (ways, 2); None where less than half the reference's time would be left."""
-    learned, (part, *_) = ([series_of(one, target, RATE_HZ) for one in half] for half in case.load())
+    learned, (part, *_) = case.series(target)
     if part.time_s[-1] - part.time_s[0] < 1.5 * seconds:
         return None
     auto = train_automatically(learned, target, Options(seed=seed_of(case.name, target)))

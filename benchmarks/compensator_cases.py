@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from compensation.paper.paper_campaigns import TAB, campaigns
+from compensation.series.preprocessing import Series, series_of
 from testbench.recordings.csv_columns import read_columns
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
@@ -19,6 +20,7 @@ from testbench.recordings.recording import Recording
 ALL_REAL = Path(__file__).resolve().parents[1] / "../shared/data/real"
 REAL = ALL_REAL / "cb_silicone_strip"
 GAUGE_LENGTH_MM, FIRST_PART = 40.0, 0.6
+RATE_HZ = 20.0
 # Trained on the first, tested on the second: the same strip, the same or another motion, another day or the same.
 PAIRS = (
     ("2_multisine_600s", "2_multisine_300s_a"),
@@ -81,6 +83,10 @@ class Case:
     name: str
     load: Callable[[], tuple[Sequence[Recording], Sequence[Recording]]]
     targets: tuple[str, ...] = ("force", "displacement")
+
+    def series(self, target: str) -> list[list[Series]]:
+        """The same at `RATE_HZ`: what is learned from, and what is tested on."""
+        return [[series_of(one, target, RATE_HZ) for one in half] for half in self.load()]
 
 
 def simulated(folder: Path, numbers: Sequence[int]) -> Iterator[Case]:

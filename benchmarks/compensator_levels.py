@@ -17,9 +17,8 @@ from compensator_cases import material, real
 from compensator_options import MEASURED, add_kinds
 
 from compensation.series import score
-from compensation.series.preprocessing import Series, series_of
+from compensation.series.preprocessing import Series
 
-RATE_HZ = 20.0
 COLUMNS = ("zero", "mean", "slope", "raw", "line", "+ zero", "+ gain", "+ both")
 
 
@@ -31,7 +30,7 @@ def main() -> None:
     materials: dict[str, list[list[float]]] = {}
     for case in real(args.kinds):
         for target in case.targets:
-            first, second = (series_of(part[0], target, RATE_HZ) for part in case.load())
+            (first, *_), (second, *_) = case.series(target)
             row = moved(first, second)
             materials.setdefault(material(case), []).append(row)
             print(f"{f'{case.name}, {target}'[:62]:62}" + "".join(f" {value:7.3f}" for value in row))

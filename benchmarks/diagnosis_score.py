@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from result_rows import Row
 from sklearn.calibration import calibration_curve
 
-Row = dict[str, Any]
 SURE = 0.9  # a wrong name given with more than this is the worst of errors
 BINS = 10  # of the reliability diagram
 AS_ASKED = 2 / 3  # of the strength that was asked for: some effects cannot be that strong, in some sensors
@@ -263,7 +263,13 @@ def by_world_and_strength(rows: Sequence[Row]) -> str:
     return markdown([*header, "error before / floor", "after", "seconds"], lines)
 
 
-KINDS = {"minutes": "minutes", "rate_hz": "samples a second", "protocol": "motion", "channels": "channels"}
+KINDS = {
+    "minutes": "minutes",
+    "rate_hz": "samples a second",
+    "protocol": "motion",
+    "channels": "channels",
+    "reclamped": "clamped anew",
+}
 
 
 def by_kind(rows: Sequence[Row]) -> str:
@@ -276,7 +282,7 @@ def by_kind(rows: Sequence[Row]) -> str:
         for (value,), group in groups.items():
             single = [row for row in group if is_single(row)]
             none = [row for row in group if row["expected"] == "nothing_missing"]
-            shown = f"{value:g}" if isinstance(value, float) else value.replace("_", " ").replace(",", ", ")
+            shown = f"{value:g}" if isinstance(value, float) else str(value).replace("_", " ").replace(",", ", ")
             alarms = share(none, said("missing"))
             lines.append([words, shown, share(single, first), share(single, top3), median(single, "after"), alarms])
     header = ["recordings by", "", "right first", "in top 3", "error after / floor", "false alarms"]

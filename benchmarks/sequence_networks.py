@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numba import njit
 
 from gcode.support.arrays import FloatArray
 
@@ -63,64 +62,46 @@ class Gru:
 
     def __call__(self, flat: FloatArray, x: FloatArray) -> FloatArray:
         """Output at every step."""
-        return _gru_forward(*self._parts(flat), np.ascontiguousarray(x))[0]
+        return self._forward(flat, x)[0]
+
+    def _forward(self, flat: FloatArray, x: FloatArray):
+        """Output, states and gates, over the steps: z keeps, r resets, n is new; h' = z h + (1 - z) n."""
+        w, u, b, v, c = self._parts(flat)
+        driven = x.T[:, None, :, None] * w[:, None] + b[:, None]
+        states, gates = np.zeros((len(driven) + 1, *driven.shape[2:])), np.empty_like(driven)
+        keep_and_reset = u[:2].transpose(0, 2, 1)
+        for step, drive in enumerate(driven):
+            h = states[step]
+            z, r = 1 / (1 + np.exp(-(drive[:2] + h @ keep_and_reset)))
+            n = np.tanh(drive[2] + (r * h) @ u[2].T)
+            states[step + 1] = z * h + (1 - z) * n
+            gates[step] = z, r, n
+        return (states[1:] @ v + c[0]).T, states, gates
 
     def loss(self, flat: FloatArray, x: FloatArray, truth: FloatArray, counts: FloatArray):
         """Mean squared error over the rows that count, and its gradient."""
-        w, u, b, v, c = self._parts(flat)
-        out, states, gates = _gru_forward(w, u, b, v, c, x)
+        _, u, _, v, _ = self._parts(flat)
+        out, states, gates = self._forward(flat, x)
         error = (out - truth) * counts
         total = counts.sum()
-        gradient = np.zeros_like(flat)
-        _gru_backward(w, u, v, x, states, gates, 2 * error / total, *self._parts(gradient))
-        return float(np.sum(error**2) / total), gradient
-
-
-@njit(cache=True)
-def _gru_forward(w, u, b, v, c, x):
-    """Gates: z keeps, r resets, n is new; h' = z h + (1 - z) n."""
-    sequences, steps = x.shape
-    hidden = len(v)
-    out = np.empty((sequences, steps))
-    states = np.zeros((sequences, steps + 1, hidden))
-    gates = np.empty((sequences, steps, 3, hidden))
-    for s in range(sequences):
-        for t in range(steps):
-            h = states[s, t]
-            z = 1 / (1 + np.exp(-(w[0] * x[s, t] + u[0] @ h + b[0])))
-            r = 1 / (1 + np.exp(-(w[1] * x[s, t] + u[1] @ h + b[1])))
-            n = np.tanh(w[2] * x[s, t] + u[2] @ (r * h) + b[2])
-            states[s, t + 1] = z * h + (1 - z) * n
-            gates[s, t, 0], gates[s, t, 1], gates[s, t, 2] = z, r, n
-            out[s, t] = v @ states[s, t + 1] + c[0]
-    return out, states, gates
-
-
-@njit(cache=True)
-def _gru_backward(w, u, v, x, states, gates, slope, dw, du, db, dv, dc):
-    sequences, steps = x.shape
-    hidden = len(v)
-    for s in range(sequences):
-        dh = np.zeros(hidden)
-        for t in range(steps - 1, -1, -1):
-            h, z, r, n = states[s, t], gates[s, t, 0], gates[s, t, 1], gates[s, t, 2]
-            dv += slope[s, t] * states[s, t + 1]
-            dc += slope[s, t]
-            dh += slope[s, t] * v
-            a_z = dh * (h - n) * z * (1 - z)
+        slope = 2 * error.T / total
+        pushed, dh = np.empty_like(gates), np.zeros_like(states[0])
+        for step in range(len(gates) - 1, -1, -1):
+            h, (z, r, n) = states[step], gates[step]
+            dh = dh + slope[step, :, None] * v
             a_n = dh * (1 - z) * (1 - n * n)
-            reset = u[2].T @ a_n
-            a_r = reset * h * r * (1 - r)
-            du[0] += np.outer(a_z, h)
-            du[1] += np.outer(a_r, h)
-            du[2] += np.outer(a_n, r * h)
-            dw[0] += a_z * x[s, t]
-            dw[1] += a_r * x[s, t]
-            dw[2] += a_n * x[s, t]
-            db[0] += a_z
-            db[1] += a_r
-            db[2] += a_n
-            dh = dh * z + u[0].T @ a_z + u[1].T @ a_r + reset * r
+            reset = a_n @ u[2]
+            pushed[step] = dh * (h - n) * z * (1 - z), reset * h * r * (1 - r), a_n
+            dh = dh * z + pushed[step, 0] @ u[0] + pushed[step, 1] @ u[1] + reset * r
+        gradient = np.zeros_like(flat)
+        dw, du, db, dv, dc = self._parts(gradient)
+        before = states[:-1]
+        dw += np.einsum("tksi,st->ki", pushed, x)
+        du += np.einsum("tksi,ktsj->kij", pushed, np.stack([before, before, gates[:, 1] * before]))
+        db += pushed.sum(axis=(0, 2))
+        dv += np.einsum("ts,tsi->i", slope, states[1:])
+        dc += slope.sum()
+        return float(np.sum(error**2) / total), gradient
 
 
 class Tcn:

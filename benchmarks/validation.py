@@ -21,8 +21,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from bench_diagnosis import read_rows
 from diagnosis_score import at_a_glance, diagram, reliability
+from result_rows import Row, read_rows
 from validation_data import MATERIALS, Material, Pair, all_pairs
 from validation_words import page
 
@@ -34,7 +34,6 @@ from testbench.diagnosis.diagnosis import calibration_and_held_out
 from testbench.measurements.measurement import Measurement
 from testbench.recordings.versions import software_versions
 
-Row = dict[str, Any]
 LIMIT_S = 900.0
 SHOWN = 6
 

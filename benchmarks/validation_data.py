@@ -85,30 +85,34 @@ def recording(columns: dict[str, np.ndarray], gauge_length_mm: float, source: st
     return Recording(made.time_s, made.channels, made.gauge_length_mm, source)
 
 
+def _files(made: Callable[[dict[str, np.ndarray], str], Recording], one: str, other: str | None = None) -> Reader:
+    """A recording a file, made of its columns and its name; the other one is held out."""
+
+    def read(folder: Path) -> Recordings:
+        both = [made(table(folder / f"{name}.csv"), name) for name in (one, other) if name]
+        return both[:1], both[1] if other else None
+
+    return read
+
+
+def _of_length(gauge_mm: float, one: str, other: str | None = None) -> Reader:
+    """Files of one gauge length."""
+    return _files(lambda columns, name: recording(columns, gauge_mm, name), one, other)
+
+
 def _strip(one: str, other: str | None = None) -> Reader:
     """Carbon-black strips: 40 mm between the clamps."""
-
-    def read(folder: Path) -> Recordings:
-        made = [recording(table(folder / f"{name}.csv"), 40.0, name) for name in (one, other) if name]
-        return made[:1], made[1] if other else None
-
-    return read
+    return _of_length(40.0, one, other)
 
 
-def _by_strain(one: str, other: str | None = None) -> Reader:
+def _by_strain(one: str, other: str) -> Reader:
     """Files that tell displacement and strain: their ratio is the gauge length."""
 
-    def read(folder: Path) -> Recordings:
-        made = []
-        for name in (one, other):
-            if name:
-                columns = table(folder / f"{name}.csv")
-                top = int(np.argmax(columns["strain"]))
-                gauge_mm = float(columns["displacement_mm"][top] / columns["strain"][top])
-                made.append(recording(columns, gauge_mm, name))
-        return made[:1], made[1] if other else None
+    def made(columns: dict[str, np.ndarray], name: str) -> Recording:
+        top = int(np.argmax(columns["strain"]))
+        return recording(columns, float(columns["displacement_mm"][top] / columns["strain"][top]), name)
 
-    return read
+    return _files(made, one, other)
 
 
 def _repeats(name: str, *pulls: int) -> Reader:
@@ -130,38 +134,22 @@ def _repeats(name: str, *pulls: int) -> Reader:
 def _thread(one: str, other: str | None = None) -> Reader:
     """Nylon thread: strain, load and R/R0; 100 mm and 1 ohm stand for what is not told."""
 
-    def read(folder: Path) -> Recordings:
-        made = []
-        for name in (one, other):
-            if name:
-                raw = table(folder / f"{name}.csv")
-                columns = {"time_s": raw["time_s"], "displacement_mm": 100.0 * raw["strain_raw"]}
-                columns["resistance_ohm"] = raw["resistance_rel"]
-                if "load_raw" in raw:
-                    columns["force_N"] = raw["load_raw"]
-                made.append(recording(columns, 100.0, name))
-        return made[:1], made[1] if other else None
+    def made(raw: dict[str, np.ndarray], name: str) -> Recording:
+        load = {"force_N": raw["load_raw"]} if "load_raw" in raw else {}
+        columns = {"displacement_mm": 100.0 * raw["strain_raw"], "resistance_ohm": raw["resistance_rel"], **load}
+        return recording({"time_s": raw["time_s"], **columns}, 100.0, name)
 
-    return read
+    return _files(made, one, other)
 
 
 def _sleeve(name: str) -> Reader:
     """Knee sleeve: the angle of the knee stands for the stretch, one of five sensors."""
 
-    def read(folder: Path) -> Recordings:
-        raw = table(folder / f"{name}.csv")
-        columns = {"time_s": raw["time_s"], "displacement_mm": raw["knee_angle_deg"]}
-        columns["resistance_ohm"] = 1 + raw["s1_dR_R0"]
-        return [recording(columns, 100.0, f"{name}, sensor 1")], None
+    def made(raw: dict[str, np.ndarray], name: str) -> Recording:
+        columns = {"displacement_mm": raw["knee_angle_deg"], "resistance_ohm": 1 + raw["s1_dR_R0"]}
+        return recording({"time_s": raw["time_s"], **columns}, 100.0, f"{name}, sensor 1")
 
-    return read
-
-
-def _plain(name: str, gauge_mm: float) -> Reader:
-    def read(folder: Path) -> Recordings:
-        return [recording(table(folder / f"{name}.csv"), gauge_mm, name)], None
-
-    return read
+    return _files(made, name)
 
 
 MATERIALS: Sequence[Material] = (
@@ -185,9 +173,8 @@ MATERIALS: Sequence[Material] = (
         "Carbon black in silicone, strip",
         "github.com/richgumy/electromech-stretcher, commit ab6634c8",
         "none stated",
-        "Conductance falls with stretch, overshoots at every step of the strain, and settles for minutes "
-        "after it, for "
-        "particle networks break and heal. The silicone relaxes and softens with its first stretch.",
+        "Conductance falls with stretch, overshoots at every step of the strain, and settles for minutes after it, "
+        "for particle networks break and heal. The silicone relaxes and softens with its first stretch.",
         CARBON,
         (
             Pair(
@@ -224,9 +211,8 @@ MATERIALS: Sequence[Material] = (
         "Plain knitted fabrics",
         "github.com/sabetta/stitch-by-stitch, commit 0ed27f35",
         "MIT",
-        "Five pulls of a specimen. The first differs from the others: the force falls by 11 to 42 % "
-        "(softening with the "
-        "largest strain so far, permanent set), with loops of friction. A slipping clamp would jump.",
+        "Five pulls of a specimen. The first differs from the others: the force falls by 11 to 42 % (softening with"
+        " the largest strain so far, permanent set), with loops of friction. A slipping clamp would jump.",
         ("mullins_softening", "permanent_set", "cyclic_fatigue", *RELAXING),
         (
             Pair(
@@ -245,9 +231,8 @@ MATERIALS: Sequence[Material] = (
         "Silver-coated polyamide thread",
         "github.com/vistormu/catasta, commits 396e139d and 43843c2f",
         "MIT",
-        "Resistance rises with stretch and settles after it; the polymer relaxes. Filtered and thinned by "
-        "its authors, "
-        "units of load not told: 1 ohm stands for R0, and 100 mm for the length.",
+        "Resistance rises with stretch and settles after it; the polymer relaxes. Filtered and thinned by its "
+        "authors, units of load not told: 1 ohm stands for R0, and 100 mm for the length.",
         (*CARBON, "viscous_rate_stiffening", "permanent_set", "coating_cracks", "coating_wear"),
         (
             Pair("thread-steps-up", "rising steps, twice", _thread("steps_inc_single_1", "steps_inc_single_2")),
@@ -262,16 +247,16 @@ MATERIALS: Sequence[Material] = (
         "none stated",
         "Stress relaxation over five decades of time. Its gauge length is not told; 25 mm stand for it.",
         RELAXING,
-        (Pair("rubber-hold", "one ramp and a hold", _plain("rubber_relax_24h", 25.0)),),
+        (Pair("rubber-hold", "one ramp and a hold", _of_length(25.0, "rubber_relax_24h")),),
     ),
     Material(
         "knit_graphene_sleeve",
         "Graphene-coated knit on a knee sleeve",
         "github.com/e-Body-Lab/graphene-based-knitted-sensing-sleeve, commit 47369aba",
         "MIT",
-        "No tensile test: the angle of the knee stands for the stretch, two wearers follow each other in one "
-        "file, and the "
-        "sleeve slides on the skin. No one mechanism is expected to explain it: `unknown` is the honest answer.",
+        "No tensile test: the angle of the knee stands for the stretch, two wearers follow each other in one file, "
+        "and the sleeve slides on the skin. No one mechanism is expected to explain it: `unknown` is the honest "
+        "answer.",
         ("unknown",),
         (Pair("sleeve", "walking, sensor 1", _sleeve("HC_90_S1_2_HC90")),),
     ),

@@ -5,8 +5,7 @@ six frictions, six laws of conduction, and 25 mechanisms with three laws or four
 diagnosis by what it scores here. `make_case` makes two recordings of one sensor and says what is hidden in them.
 """
 
-from worlds_fourth.case import Case, make_case
-from worlds_fourth.checks import PROTOCOLS
+from worlds_fourth.case import PROTOCOLS, Case, make_case
 from worlds_fourth.effects import MECHANISMS, UNKNOWN_KINDS
 from worlds_fourth.laws import LAW_FAMILIES
 

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from simulated_case import CHANNELS, Case, check, verdict_of
 
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
 from testbench.recordings.recording import Recording
 from worlds_fourth.chain import Sized, plain
-from worlds_fourth.checks import check_arguments
 from worlds_fourth.effects import Hidden, asked_for, choose_effect
 from worlds_fourth.motion.motion import USUAL_HZ
 from worlds_fourth.readings import DISPLACEMENT_MM, NOISE, observe
@@ -21,28 +21,11 @@ from worlds_fourth.signals import GAUGE_LENGTH_MM, Record
 from worlds_fourth.specimen import Specimen, draw_specimen
 from worlds_fourth.strength import FLOORS, size_for, strengths
 
+PROTOCOLS = ("mixed",)
+LIMITS = {"strength": (0.1, 1000.0), "minutes": (1.0, 240.0), "rate_hz": (10.0, 100.0), "noise": (0.1, 30.0)}
 RECORDINGS = ("calibration", "held_out")
-CHANNELS = {FORCE: "force", RESISTANCE: "conductance"}
 FELT = 0.7  # share of strain in the driver of the contacts, up to which they feel the force well
 ATTEMPTS = 200  # specimens drawn until the contacts feel the force
-
-
-@dataclass(frozen=True)
-class Case:
-    """Two recordings of one sensor, each of the rested specimen and with its own motion, and what is hidden in them.
-
-    Attributes
-    ----------
-    calibration, held_out : Recording
-    truth : dict
-        Ready for JSON: ``verdict`` (``missing`` where an effect of the catalogue's mechanisms is hidden, ``unknown``
-        where only others are, ``nothing_missing``), ``effects``, ``base``, ``noise_floor``, ``noise_kind``,
-        ``displacement_noise_mm`` and ``recipe``. An effect's ``magnitude`` is in its law's own measure.
-    """
-
-    calibration: Recording
-    held_out: Recording
-    truth: dict[str, Any]
 
 
 def make_case(
@@ -56,36 +39,14 @@ def make_case(
     protocol: str = "mixed",
     channels: Sequence[str] = (FORCE, RESISTANCE),
 ) -> Case:
-    """Make a sensor with a hidden effect and record it twice.
+    """See `simulated_case`.
 
-    Parameters
-    ----------
-    effect : str, optional
-        A mechanism (`MECHANISMS`) or a kind of no catalogue (`UNKNOWN_KINDS`), as ``name`` or ``name:law``;
-        ``"none"``; ``"unknown"``, which draws such a kind; or two of these joined by a comma. None draws a mechanism.
-    strength : float
-        Of each effect, in floors of 5 mN and of 4e-3 in ln R (see `strength`), times `noise`, in the channel that
-        shows it more. What is out of every size's reach ends lower; the truth says what was reached.
-    seed : int
-        One seed is one sensor with its motions and noise, whatever the effect.
-    minutes, rate_hz : float
-        Length of each recording (1 to 240) and about its sampling rate (10 to 100).
-    noise : float
-        1 is the noise of the paper's rig (5 mN, 8e-4 in ln R); 0.1 to 30.
-    protocol : str
-        ``mixed``: noise with holds, a rest and triangles.
-    channels : sequence of str
-        ``force_N``, ``resistance_ohm`` or both. Where the resistance alone is recorded and the effect is of the
-        force, the contacts of this sensor feel the force.
-
-    Raises
-    ------
-    UserError
-        If an argument is out of its range, or the effect shows in no recorded channel; the message says what is
-        allowed.
+    The strength is in floors of 5 mN and of 4e-3 in ln R (see `strength`), times `noise`, in the channel that shows
+    the effect more. Where the resistance alone is recorded and the effect is of the force, the contacts of this
+    sensor feel the force.
     """
-    recipe = {k: v for k, v in locals().items() if k in make_case.__annotations__}
-    check_arguments(strength, minutes, rate_hz, noise, protocol, channels)
+    recipe = {**locals(), "channels": list(channels)}
+    check(recipe, LIMITS, PROTOCOLS)
     recorded = [CHANNELS[name] for name in channels]
     specimen, records, hidden = make_sensor(asked_for(effect, seed), seed, minutes, rate_hz, recorded)
     floors = {name: FLOORS[name] * noise for name in recorded}
@@ -96,13 +57,13 @@ def make_case(
         told.append(_told(one, size, capped, strength, [strengths(specimen, r, sized[-1:], floors) for r in records]))
     calibration, held_out = (_recording(specimen, record, sized, noise, channels) for record in records)
     truth = {
-        "verdict": _verdict(told),
+        "verdict": verdict_of(told),
         "effects": told,
         "base": specimen.told(),
         "noise_floor": {name: NOISE[name] * noise for name in recorded},
         "noise_kind": specimen.instruments.kind,
         "displacement_noise_mm": float(DISPLACEMENT_MM / np.sqrt(12.0)),
-        "recipe": {**recipe, "channels": list(channels)},
+        "recipe": recipe,
     }
     return Case(calibration, held_out, truth)
 
@@ -183,9 +144,3 @@ def _recording(
     measured = {DISPLACEMENT: displacement_mm, **{channel: readings[channel] for channel in channels}}
     source = f"fourth worlds, sensor {specimen.seed}, {record.name.replace('_', '-')}"
     return Recording(record.time_s, measured, GAUGE_LENGTH_MM, source)
-
-
-def _verdict(told: Sequence[Mapping[str, Any]]) -> str:
-    if not told:
-        return "nothing_missing"
-    return "missing" if any(one["in_catalogue"] for one in told) else "unknown"

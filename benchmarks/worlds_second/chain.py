@@ -23,8 +23,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from simulated_case import stream
 
-from worlds_second.draws import stream
 from worlds_second.kernels import Array
 from worlds_second.laws.contact import STRAIN_DRIVEN, around
 from worlds_second.protocols import Motion

@@ -6,14 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
+from simulated_case import NONE, UNKNOWN, names_of, stream
 
 from gcode.support.errors import UserError
 from worlds_second.chain import Hook
-from worlds_second.draws import draw_all, stream
+from worlds_second.draws import draw_all
 from worlds_second.effects import FOREIGN, KNOWN, MECHANISMS, UNKNOWN_KINDS, Form
 
-NONE, UNKNOWN = "none", "unknown"
 CHANCE_NONE, CHANCE_UNKNOWN = 0.15, 0.15
 STAGE_NAMES = dict.fromkeys(("force_readout", "resistance_readout", "force_adc", "resistance_adc"), "readout")
 
@@ -59,14 +58,8 @@ def choose(effect: str | None, seed: int, recorded: set[str], feels_force: bool 
     feels_force : bool
         Whether the sensor's conductance depends on the force, or on the strain alone.
     """
-    words = [_drawn(seed, recorded, feels_force)] if effect is None else [word.strip() for word in effect.split(",")]
-    if words == [NONE]:
-        return []
-    if NONE in words:
-        raise UserError(f"effect: none stands alone; got {effect}")
-    if len(words) > 2:
-        raise UserError(f"effect: at most two, joined by a comma; got {effect}")
-    return [_choose_one(word, seed, recorded, feels_force) for word in words]
+    names = names_of(_drawn(seed, recorded, feels_force) if effect is None else effect, {**KNOWN, **FOREIGN})
+    return [_choose_one(name, seed, recorded, feels_force) for name in names]
 
 
 def _drawn(seed: int, recorded: set[str], feels_force: bool) -> str:
@@ -88,19 +81,9 @@ def _choose_one(word: str, seed: int, recorded: set[str], feels_force: bool) -> 
     if kind == UNKNOWN:
         kinds = [one for one in UNKNOWN_KINDS if _fitting(one, recorded, feels_force)]
         kind = str(stream(seed, "unknown kind").choice(kinds))
-    forms = {**KNOWN, **FOREIGN}.get(kind)
-    if forms is None:
-        allowed = ", ".join([*MECHANISMS, *UNKNOWN_KINDS])
-        raise UserError(f"effect: {word} is none of none, unknown, {allowed}")
     fitting = _fitting(kind, recorded, feels_force)
-    if name and name not in forms:
-        raise UserError(f"effect: {kind} has the forms {', '.join(forms)}; got {name}")
     if not fitting or (name and name not in fitting):
         what = " and ".join(sorted(recorded))
-        raise UserError(f"effect: {word} changes nothing in the {what} of sensor {seed}; record the other channel")
-    form = forms[name or str(stream(seed, "form", kind).choice(fitting))]
-    return Hidden(form, draw_all(form.ranges, _parameter_stream(seed, form)))
-
-
-def _parameter_stream(seed: int, form: Form) -> np.random.Generator:
-    return stream(seed, "parameters", form.mechanism, form.name)
+        raise UserError(f"make_case: {word} changes nothing in the {what} of sensor {seed}; record the other channel")
+    form = {**KNOWN, **FOREIGN}[kind][name or str(stream(seed, "form", kind).choice(fitting))]
+    return Hidden(form, draw_all(form.ranges, stream(seed, "parameters", form.mechanism, form.name)))

@@ -1,14 +1,9 @@
-"""Random draws: ranges that a law or an effect declares, and one random stream for each purpose.
-
-A stream is named by words, so a draw never depends on what else was drawn: with one family of laws restricted,
-or another effect put in, everything else of the sensor stays as it was.
-"""
+"""Random draws: ranges that a law or an effect declares."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from zlib import crc32
 
 import numpy as np
 
@@ -43,11 +38,6 @@ def log(low: float, high: float) -> Range:
 def pick(*values: float) -> Range:
     """One of these values."""
     return Range("pick", values)
-
-
-def stream(seed: int, *words: str) -> np.random.Generator:
-    """The random stream of a sensor that has these words as its name."""
-    return np.random.default_rng([seed, crc32("/".join(words).encode())])
 
 
 def draw_all(ranges: Mapping[str, Range], rng: np.random.Generator) -> dict[str, float]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.signal import lfilter
+from simulated_case import stream
 
-from worlds_second.draws import stream
 from worlds_second.kernels import Array
 
 FORCE_N, LN_CONDUCTANCE, DISPLACEMENT_MM = 5e-3, 8e-4, 1e-3  # the rig of the paper

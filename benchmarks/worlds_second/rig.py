@@ -6,18 +6,17 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
+from simulated_case import CHANNELS, stream
 
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
 from testbench.recordings.recording import Recording
 from worlds_second.chain import Hook, Scales, converted, measure, simulate
-from worlds_second.draws import stream
 from worlds_second.kernels import Array
 from worlds_second.noise import DISPLACEMENT_MM, FORCE_N, LN_CONDUCTANCE, draw_kind, draw_noise
 from worlds_second.protocols import Motion
 from worlds_second.sensor import Sensor
 from worlds_second.strength import STEP, Absorber, Channels, make_absorber
 
-NAMES = {FORCE: "force", RESISTANCE: "conductance"}
 CALM_C, THERMOMETER_K = 22.0, 0.02
 STEEPEST = 3.0  # slope of the steepest part of a curve over its mean slope, about
 DISPLACEMENT_SHARE = 0.3  # noise of the displacement makes at most about this share of either floor
@@ -46,14 +45,14 @@ class Rig:
         self.scales = measure(simulate(sensor, motions[0], [], Scales(), seed)[0])
         self.noise_kind = draw_kind(seed)
         self.rms = {FORCE: FORCE_N * noise, RESISTANCE: LN_CONDUCTANCE * noise}
-        self.floors: Mapping[str, float] = {NAMES[name]: self.rms[name] for name in NAMES if name in recorded}
+        self.floors: Mapping[str, float] = {CHANNELS[name]: self.rms[name] for name in CHANNELS if name in recorded}
         spans = {
             FORCE: self.scales.force_high_N - self.scales.force_low_N,
             RESISTANCE: self.scales.ln_high - self.scales.ln_low,
         }
         allowed = [
             DISPLACEMENT_SHARE * self.rms[name] * sensor.stroke_mm / (STEEPEST * spans[name])
-            for name in NAMES
+            for name in CHANNELS
             if name in recorded
         ]
         self.displacement_noise_mm = float(min(DISPLACEMENT_MM * noise, *allowed))

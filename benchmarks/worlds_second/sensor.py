@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from gcode.support.errors import UserError
-from worlds_second.draws import draw_all, stream
+from simulated_case import laws_of, stream
+
+from worlds_second.draws import draw_all
 from worlds_second.laws import FAMILIES, LAW_FAMILIES, Member
 from worlds_second.laws.contact import STRAIN_DRIVEN
 
@@ -92,21 +93,13 @@ class Sensor:
         return {**sizes, **laws}
 
 
-def draw_sensor(
-    seed: int,
-    *,
-    max_strain: float | None = None,
-    only_laws: Mapping[str, Sequence[str]] | None = None,
-    leave_out: str | Sequence[str] | None = None,
-) -> Sensor:
-    """Draw the sensor of a seed; a restricted family leaves the draws of all others as they were."""
-    allowed = allowed_laws(only_laws, leave_out)
-    laws = {family: _draw_law(seed, family, names) for family, names in allowed.items()}
+def draw_sensor(seed: int, asked: str = "") -> Sensor:
+    """Draw the sensor of a seed, on wish with some laws only (see `laws_of`)."""
+    laws = {family: _draw_law(seed, family, names) for family, names in laws_of(asked, LAW_FAMILIES).items()}
     rng = stream(seed, "sizes")
     ranges, chance = (TYPICAL, SOFT, STIFF), rng.choice(3, p=[0.74, 0.13, 0.13])
-    drawn = float(rng.uniform(*ranges[chance]))
     return Sensor(
-        max_strain=drawn if max_strain is None else _checked_strain(max_strain),
+        max_strain=float(rng.uniform(*ranges[chance])),
         gauge_length_mm=float(rng.uniform(30.0, 100.0)),
         force_full_N=float(10.0 ** rng.uniform(0.0, 1.0)),
         resistance_full_ohm=float(10.0 ** rng.uniform(2.0, 5.0)),
@@ -118,44 +111,3 @@ def draw_sensor(
 def _draw_law(seed: int, family: str, names: Sequence[str]) -> Law:
     name = str(stream(seed, family).choice(list(names)))
     return Law(family, name, draw_all(FAMILIES[family][name].ranges, stream(seed, family, name)))
-
-
-def _checked_strain(max_strain: float) -> float:
-    if not 1e-4 < max_strain < 10:
-        raise UserError(f"max_strain must lie between 0.0001 and 10, got {max_strain:g}")
-    return float(max_strain)
-
-
-def allowed_laws(
-    only_laws: Mapping[str, Sequence[str]] | None, leave_out: str | Sequence[str] | None
-) -> dict[str, list[str]]:
-    """The members of each family that may be drawn.
-
-    `only_laws` lists the members that stay; `leave_out` names members, as ``fung`` or ``drift:none``, that go.
-    """
-    only = dict(only_laws or {})
-    unknown = set(only) - set(LAW_FAMILIES)
-    if unknown:
-        raise UserError(f"only_laws: no family {', '.join(sorted(unknown))}; it has {', '.join(LAW_FAMILIES)}")
-    gone = _left_out([leave_out] if isinstance(leave_out, str) else list(leave_out or []))
-    allowed = {}
-    for family, members in LAW_FAMILIES.items():
-        wanted = [only[family]] if isinstance(only.get(family), str) else list(only.get(family, members))
-        strange = [name for name in wanted if name not in members]
-        if strange:
-            raise UserError(f"only_laws: {family} has {', '.join(members)}; got {', '.join(map(str, strange))}")
-        allowed[family] = [str(name) for name in wanted if (family, name) not in gone]
-        if not allowed[family]:
-            raise UserError(f"{family}: no law is left to draw; leave at least one of {', '.join(members)}")
-    return allowed
-
-
-def _left_out(words: list[str]) -> set[tuple[str, str]]:
-    gone = set()
-    for word in words:
-        family, _, name = word.rpartition(":")
-        found = {(f, name) for f, members in LAW_FAMILIES.items() if name in members and family in ("", f)}
-        if not found:
-            raise UserError(f"leave_out: no law {word}; write a member (fung) or family:member (drift:none)")
-        gone |= found
-    return gone

@@ -3,49 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from simulated_case import CHANNELS, Case, check, stream, verdict_of
 
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
 from testbench.recordings.recording import Recording
 from worlds_third import noise as noises
-from worlds_third.checks import check_arguments
 from worlds_third.clock import refined, sample_times, steps_between
 from worlds_third.effects import Effect, asked_for, choose_effect
 from worlds_third.protocols import PROTOCOLS
-from worlds_third.randoms import between, stream
+from worlds_third.randoms import between
 from worlds_third.sensor import Hook, Sensor, make_sensor, respond
 from worlds_third.signals import Array, Signals
 from worlds_third.strength import Absorption, size_for
 
+LIMITS = {"strength": (0.1, 1000.0), "minutes": (1.0, 240.0), "rate_hz": (0.2, 200.0), "noise": (0.1, 30.0)}
 RECORDINGS = ("calibration", "held_out")
-CHANNELS = {FORCE: "force", RESISTANCE: "conductance"}
 ATTEMPTS = 6  # forms tried until one reaches the strength asked for
 NEAR = 0.05  # of it: near enough
 STROKE_S = (3.0, 15.0)  # time of a stroke
 SLOWEST, SAMPLES = 10.0, 12.0  # at least so many strokes in a recording, so many samples in a stroke
 ROOM_C = 1.2  # RMS of the room's temperature about 22 degrees
 STEPS_PER_MM = (160.0, 800.0)  # of the stepper motor
-
-
-@dataclass(frozen=True)
-class Case:
-    """Two recordings of one sensor, each of the rested specimen and with its own motion, and what is hidden in them.
-
-    Attributes
-    ----------
-    calibration, held_out : Recording
-    truth : dict
-        Ready for JSON: ``verdict`` (``missing`` where an effect of the catalogue's mechanisms is hidden, ``unknown``
-        where only others are, ``nothing_missing``), ``effects``, ``base``, ``noise_floor``, ``noise_kind``,
-        ``displacement_noise_mm`` and ``recipe``. An effect's ``magnitude`` is in its form's own measure.
-    """
-
-    calibration: Recording
-    held_out: Recording
-    truth: dict[str, Any]
+ZERO_STRAIN, ZERO_FORCE_N = (-0.02, 0.03), (-0.02, 0.02)  # after clamping anew; the strain over the stroke
 
 
 def make_case(
@@ -58,51 +40,20 @@ def make_case(
     noise: float = 1.0,
     protocol: str = "perlin",
     channels: Sequence[str] = (FORCE, RESISTANCE),
-    leave_out: str | Sequence[str] | None = None,
-    only_laws: Mapping[str, Sequence[str]] | None = None,
-    max_strain: float | None = None,
+    laws: str = "",
     reclamped: bool = False,
 ) -> Case:
-    """Make a sensor with a hidden effect and record it twice.
+    """See `simulated_case`.
 
-    Parameters
-    ----------
-    effect : str, optional
-        A mechanism (`MECHANISMS`) or a kind of no catalogue (`UNKNOWN_KINDS`), as ``name`` or ``name:form``;
-        ``"none"``; ``"unknown"``, which draws such a kind; or two of these joined by a comma. None draws a mechanism.
-    strength : float
-        RMS, in noise floors of its main channel, of what smooth functions of strain, direction and time cannot absorb
-        of the effect (see `strength`); of the strain, the channel that shows it more. What is out of every form's
-        reach ends lower; the truth says what was reached.
-    seed : int
-        One seed is one sensor with its motions and noise, whatever the effect.
-    minutes, rate_hz : float
-        Length of each recording (1 to 240) and its sampling rate (0.2 to 200; at least 60 samples).
-    noise : float
-        1 is the noise of the paper's rig (5 mN, 8e-4 in ln G); 0.1 to 30.
-    protocol : str
-        ``perlin``, ``ramp_hold``, ``cyclic`` or ``multisine``.
-    channels : sequence of str
-        ``force_N``, ``resistance_ohm`` or both, and ``temperature_C`` if wanted. Where the resistance alone is
-        recorded and the effect is of the force, the contacts of this sensor are pressed by the force.
-    leave_out, only_laws
-        Base laws that are not drawn, or families restricted to some: see `choose_laws`.
-    max_strain : float, optional
-        Strain at the end of the stroke, 0.005 to 3; drawn otherwise: mostly 0.15 to 0.6, else 0.015 to 1.5.
-    reclamped : bool
-        The held-out recording has other zeros of displacement and force.
-
-    Raises
-    ------
-    UserError
-        If an argument is out of its range; the message says what is allowed.
+    The strength is what smooth functions of strain, direction and time cannot absorb of the effect in its main
+    channel (see `strength`); of the strain, in the channel that shows it more. Where the resistance alone is recorded
+    and the effect is of the force, the contacts of this sensor are pressed by the force.
     """
-    recipe = {k: v for k, v in locals().items() if k in make_case.__annotations__}
-    check_arguments(strength, minutes, rate_hz, noise, protocol, channels, max_strain)
+    recipe = {**locals(), "channels": list(channels)}
+    check(recipe, LIMITS, PROTOCOLS, TEMPERATURE)
     recorded = [CHANNELS[name] for name in channels if name in CHANNELS]
     names = asked_for(effect, seed)
-    only = _felt(names, seed, recorded, only_laws)
-    sensor = make_sensor(seed, only, leave_out, max_strain)
+    sensor = make_sensor(seed, laws, pressed_by_force=_is_felt_by_force_alone(names, seed, recorded))
     rig = _Rig(sensor, seed, minutes, rate_hz, protocol, reclamped)
     floors = {"force": noises.FORCE_N * noise, "conductance": noises.LOG_G * noise}
     sized = [_sized(rig, name, strength, {k: floors[k] for k in recorded}) for name in names]
@@ -111,15 +62,15 @@ def make_case(
     first, second = (_recording(rig, s, floors, kind, channels, k) for k, s in zip(RECORDINGS, made, strict=True))
     told = [told for _, told in sized]
     truth = {
-        "verdict": _verdict(told),
+        "verdict": verdict_of(told),
         "effects": told,
         "base": sensor.told(),
         "noise_floor": {name: floors[name] for name in recorded},
         "noise_kind": kind,
         "displacement_noise_mm": float(rig.motor_step_mm / np.sqrt(12.0)),
-        "recipe": {**recipe, "channels": list(channels)},
+        "recipe": recipe,
     }
-    return Case(first, second, truth)
+    return Case(first, second, truth, reclamped * max(ZERO_STRAIN) * sensor.stroke_mm)
 
 
 class _Rig:
@@ -132,7 +83,8 @@ class _Rig:
         self.motor_step_mm = 1.0 / between(stream(seed, "motor"), *STEPS_PER_MM)
         parts = steps_between(rate_hz)
         self.moved = [self._moved(name, minutes, rate_hz, parts, protocol) for name in RECORDINGS]
-        self.zero_force = between(stream(seed, "clamps/force"), -0.02, 0.02) if reclamped else 0.0
+        self.zero_strain = between(stream(seed, "clamps/strain"), *ZERO_STRAIN) if reclamped else 0.0
+        self.zero_force_N = between(stream(seed, "clamps/force"), *ZERO_FORCE_N) if reclamped else 0.0
         self.base = self.run([])
         force, log_g = (np.concatenate(one) for one in zip(*((s.force, s.log_g) for s in self.base), strict=True))
         self.tops = (float(force.max()), float(log_g.min()), float(log_g.max()))
@@ -144,15 +96,11 @@ class _Rig:
         made = []
         for name, (time_s, drive, room, rate_hz, parts) in zip(RECORDINGS, self.moved, strict=True):
             s = Signals(time_s, drive, room, rate_hz, parts, self.tops)
-            if name == RECORDINGS[1] and self.reclamped:
-                s.strain = s.strain + self._zero_strain
+            if name == RECORDINGS[1]:
+                s.strain = s.strain + self.zero_strain
             hooks: list[Hook] = [effect.hook(size, name) for effect, size in effects]
             made.append(respond(self.sensor, s, hooks))
         return made
-
-    @property
-    def _zero_strain(self) -> float:
-        return between(stream(self.seed, "clamps/strain"), -0.02, 0.03)
 
     def _moved(
         self, name: str, minutes: float, rate_hz: float, parts: int, protocol: str
@@ -164,14 +112,10 @@ class _Rig:
         return time_s, drive, _room(stream(self.seed, f"room/{name}"), time_s), rate_hz, parts
 
 
-def _felt(
-    names: Sequence[str], seed: int, recorded: list[str], only: Mapping[str, Sequence[str]] | None
-) -> Mapping[str, Sequence[str]] | None:
-    """Contacts pressed by force, where nothing else would show an effect on the force."""
+def _is_felt_by_force_alone(names: Sequence[str], seed: int, recorded: list[str]) -> bool:
+    """Whether an effect on the force would show nowhere unless the force presses the contacts."""
     of_force = any(choose_effect(name, seed, 0, recorded).form.stage == "mechanics" for name in names)
-    if recorded == ["conductance"] and of_force and "drive" not in (only or {}):
-        return {**(only or {}), "drive": ["by_force"]}
-    return only
+    return recorded == ["conductance"] and of_force
 
 
 def _sized(rig: _Rig, name: str, strength: float, floors: Mapping[str, float]) -> tuple[Effect, dict[str, Any]]:
@@ -209,9 +153,9 @@ def _recording(
     """What the instruments write down."""
     sizes, keep = rig.sensor.sizes, slice(None, None, s.parts)
     rng = stream(rig.seed, f"noise/{name}")
-    zero = rig.zero_force if name == RECORDINGS[1] else 0.0
     count = len(s.time_s[keep])
-    force_N = s.force[keep] * sizes["force_full_N"] + zero + floors["force"] * noises.force_noise(rng, kind, count)
+    zero_N = rig.zero_force_N if name == RECORDINGS[1] else 0.0
+    force_N = s.force[keep] * sizes["force_full_N"] + zero_N + floors["force"] * noises.force_noise(rng, kind, count)
     log_g = s.log_g[keep] + floors["conductance"] * noises.resistance_noise(rng, kind, s.log_g[keep])
     room_C = 22.0 + ROOM_C * s.room[keep] + 0.02 * rng.normal(size=count)
     step = rig.motor_step_mm
@@ -240,9 +184,3 @@ def _room(rng: np.random.Generator, time_s: Array) -> Array:
     weights = [(1 - u) ** 3, 3 * u**3 - 6 * u**2 + 4, -3 * u**3 + 3 * u**2 + 3 * u + 1, u**3]
     smooth = sum(w * n for w, n in zip(weights, near, strict=True)) / 6.0
     return (smooth - smooth.mean()) / max(float(np.std(smooth)), 1e-6)
-
-
-def _verdict(told: Sequence[Mapping[str, Any]]) -> str:
-    if not told:
-        return "nothing_missing"
-    return "missing" if any(one["in_catalogue"] for one in told) else "unknown"

@@ -1,8 +1,7 @@
-"""Random numbers by name: a stream of its own for every part of a case, and numbers drawn between two bounds."""
+"""Numbers drawn between two bounds."""
 
 from __future__ import annotations
 
-import zlib
 from collections.abc import Mapping
 
 import numpy as np
@@ -10,11 +9,6 @@ import numpy as np
 Ranges = Mapping[str, tuple[float, float]]
 Values = dict[str, float]
 WIDE = 4.0  # bounds further apart than this ratio are decades, not lengths: drawn evenly in the logarithm
-
-
-def stream(seed: int, name: str) -> np.random.Generator:
-    """The stream `name` of a seed: drawing more from one never shifts another."""
-    return np.random.default_rng([seed, zlib.crc32(name.encode())])
 
 
 def between(rng: np.random.Generator, low: float, high: float) -> float:

@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from simulated_case import laws_of, stream
 
-from worlds_third.laws import Chosen, choose_laws
-from worlds_third.randoms import Ranges, Values, draw, stream
+from worlds_third.laws import FAMILIES, LAW_FAMILIES
+from worlds_third.laws.law import Chosen
+from worlds_third.randoms import Ranges, Values, draw
 from worlds_third.signals import Signals
 
 STAGES = ("kinematics", "mechanics", "pressure", "electrical", "readout")
@@ -50,19 +52,27 @@ class Sensor:
         return {"max_strain": self.max_strain, **self.sizes, **signs, **{k: v.told() for k, v in self.laws.items()}}
 
 
-def make_sensor(
-    seed: int,
-    only_laws: Mapping[str, Sequence[str]] | None = None,
-    leave_out: str | Sequence[str] | None = None,
-    max_strain: float | None = None,
-) -> Sensor:
-    """Draw a sensor; arguments as those of `make_case`."""
+def make_sensor(seed: int, asked: str = "", pressed_by_force: bool = False) -> Sensor:
+    """Draw a sensor, on wish with some laws only (see `laws_of`), or with contacts that the force presses.
+
+    The laws asked for come first. All else of it stays as it was.
+    """
     rng = stream(seed, "sensor")
     drawn = draw(rng, {"max_strain": ANY_STRAIN if rng.uniform() < UNUSUAL else USUAL_STRAIN})
     sizes = draw(rng, SIZES)
     signs = rng.choice([-1.0, 1.0], size=2, p=[0.3, 0.7])
-    laws = choose_laws(seed, only_laws, leave_out)
-    return Sensor(max_strain or drawn["max_strain"], sizes, float(signs[0]), float(signs[1]), laws)
+    allowed = laws_of(asked, LAW_FAMILIES)
+    if pressed_by_force and "by_force" in allowed["drive"]:
+        allowed["drive"] = ["by_force"]
+    laws = {family: _chosen(seed, family, names) for family, names in allowed.items()}
+    return Sensor(drawn["max_strain"], sizes, float(signs[0]), float(signs[1]), laws)
+
+
+def _chosen(seed: int, family: str, names: Sequence[str]) -> Chosen:
+    rng = stream(seed, "law", family)
+    name = names[int(rng.integers(len(names)))]
+    law = FAMILIES[family][name]
+    return Chosen(name, law, draw(rng, law.ranges))
 
 
 def respond(sensor: Sensor, s: Signals, hooks: Sequence[Hook] = ()) -> Signals:

@@ -20,6 +20,7 @@ from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError, first_problem
 from gcode.support.files import write_json
 from gcode.support.strict import json_of, read_json
+from testbench.recordings.doubts import say_once
 
 FORMAT, FORMAT_VERSION = "knitbench-compensator", 4
 # Version 2 has no `seen` and no `beginning`; version 3 no `settle_s`.
@@ -201,6 +202,10 @@ def load(path: str | Path) -> TrainedCompensator:
         raise UserError(f"{path}: not a usable compensator: {first_problem(error)}") from None
     if _digest({key: value for key, value in data.items() if key != "sha256"}) != checked.sha256:
         raise UserError(f"{path}: the file was changed after it was saved (its checksum is wrong); train it again")
+    if data["recipe"].get("dead_networks", 0) == data["recipe"].get("restarts"):
+        say_once(
+            f"{path}: its network is dead, its output hardly moves; train with another --seed or more --restarts"
+        )
     return _build(checked, networks)
 
 

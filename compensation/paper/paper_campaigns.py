@@ -36,40 +36,48 @@ def campaigns(
     `runs` are the first ones of `RUNS`; another `number` is another specimen of the preset `sensor`, other
     trajectories, other noise.
     """
+    found: dict[str, Recording] = {}
+    past: tuple[Path, ...] = ()
+    for name in runs:
+        program = program_of(folder, name, number)
+        seed = RUNS[name][2] + SEEDS_A_SET * number
+        found[name] = recorded(folder / f"{sensor}-{name}{_suffix(number)}", program, sensor, number, seed, past)
+        past = (*past, program)
+        progress(f"{sensor} {name}")
+    return found
+
+
+def recorded(target: Path, program: Path, sensor: str, number: int, seed: int, past: tuple[Path, ...]) -> Recording:
+    """The campaign of a specimen that went through the `past` programs, simulated where `target` does not hold it."""
     from testbench.campaigns.campaign import Plan, matches, simulate_campaign
     from testbench.campaigns.clearing import vacant
     from testbench.knit.presets import preset
     from testbench.recordings.files import read_recording
     from testbench.rig.simulation.played import played
 
-    found: dict[str, Recording] = {}
-    past: tuple[Path, ...] = ()
     named = f"{sensor}@{number}" if number else sensor
-    for name in runs:
-        target = folder / f"{sensor}-{name}{_suffix(number)}"
-        program = program_of(folder, name, number)
-        motion, gauge_length_mm = played(program)
-        seed = RUNS[name][2] + SEEDS_A_SET * number
-        plan = Plan(program, preset(named), gauge_length_mm, seed, named, past=past)
-        if not matches(target, plan):
-            vacant(target, overwrite=True)
-            simulate_campaign(plan, target, motion)
-        found[name] = read_recording(target)
-        past = (*past, program)
-        progress(f"{sensor} {name}")
-    return found
+    motion, gauge_length_mm = played(program)
+    plan = Plan(program, preset(named), gauge_length_mm, seed, named, past=past)
+    if not matches(target, plan):
+        vacant(target, overwrite=True)
+        simulate_campaign(plan, target, motion)
+    return read_recording(target)
 
 
 def program_of(folder: Path, name: str, number: int = 0) -> Path:
     """The run's Mach4 program, written where it is missing."""
+    trajectory, seed, _ = RUNS[name]
+    return planned(folder / f"trajectory-{name}{_suffix(number)}", trajectory, seed + SEEDS_A_SET * number)
+
+
+def planned(target: Path, trajectory: str, seed: int) -> Path:
+    """The Mach4 program of a trajectory preset, written where `target` does not hold it."""
     from gcode.programs.make import make
     from gcode.trajectories.presets import preset
 
-    trajectory, seed, _ = RUNS[name]
-    target = folder / f"trajectory-{name}{_suffix(number)}"
     if not (target / "program.tap").exists():
         make_folder(target)
-        make(preset(trajectory), seed + SEEDS_A_SET * number, GAUGE_LENGTH_MM).write(target)
+        make(preset(trajectory), seed, GAUGE_LENGTH_MM).write(target)
     return target / "program.tap"
 
 

@@ -11,14 +11,13 @@ import numpy as np
 
 from compensation.paper import published
 from compensation.paper import reproduction as ours
-from compensation.paper.paper_campaigns import RUNS, program_of
+from compensation.paper.paper_campaigns import RUNS, TAB, program_of
 from compensation.series import score
 from compensation.training.tuning import tune
 from testbench.recordings.recording import Recording
 
 # Of each kind of sensor, one or more specimens, each with its recordings by name.
 Specimens = Mapping[str, Sequence[Mapping[str, Recording]]]
-TESTS = ("T", "A", "B")
 ALL_DEAD = "every seed is dead"
 # The paper does not say which it did: docs/decisions/0015-scaler-of-the-paper.md.
 SCALERS = {"each by its own scaler": True, "all by T's scaler": False}
@@ -52,7 +51,7 @@ def results(recordings: Specimens, target: str, seeds: int, engine: str = "exact
         f"  {'sensor':6} {'':44} {'T':>14} {'A':>14} {'B':>14} {'mean A, B':>9} {'E':>7} {'param.':>6}",
     ]
     for sensor, several in recordings.items():
-        series = [ours.prepared({name: runs[name] for name in TESTS}, target) for runs in several]
+        series = [ours.prepared({name: runs[name] for name in TAB}, target) for runs in several]
         lines += _sensor_rows(sensor, series, target, seeds, engine)
         if tuned:
             lines += _tuned_rows(sensor, series[0], target)
@@ -135,7 +134,7 @@ def others(recordings: Specimens, seeds: int) -> str:
     ]
     for sensor, several in recordings.items():
         runs = several[0]
-        chosen = {name: runs[name] for name in TESTS}
+        chosen = {name: runs[name] for name in TAB}
         series = ours.prepared(chosen, "force")
         for name, scores in ours.baselines(series["T"], [series["A"], series["B"]], "force").items():
             lines.append(f"  {sensor:6} {name:24} {np.mean(scores):.3f}")

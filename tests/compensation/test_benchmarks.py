@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 
 import bench_compensators
 import bench_training
@@ -38,6 +39,14 @@ def test_pairs_are_averaged_over_materials():
     means = {line.split(":")[1].split()[0]: line.split()[-2:] for line in lines if line.startswith("mean of")}
     assert means == {"silver,": ["0.650", "0.150"], "cb,": ["0.800", "0.300"], "all": ["0.700", "0.200"]}
     assert lines[-1].startswith("mean of 3")
+
+
+def test_what_was_known_when_a_benchmark_was_killed_in_a_line_is_known(tmp_path):
+    results, row = tmp_path / "results.jsonl", {"case": "cb", "target": "force", "method": "line", "r2": 0.5}
+    row |= dict.fromkeys(bench_compensators.JUDGES, 0.0)
+    results.write_text(json.dumps(row) + '\n{"case": "c')
+    assert bench_compensators.read(results) == {("cb", "force", "line"): row}
+    assert bench_compensators.read(tmp_path / "not there yet") == {}
 
 
 def test_words_of_an_option_that_nothing_knows_are_refused(capsys):

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from gcode.support.errors import UserError
+from simulated_case import UNKNOWN, names_of
+
 from worlds_fourth.effects import (
     actuator,
     clamps,
@@ -34,11 +35,9 @@ OF_THE_RESISTANCE = (contacts, transients, shoulder, yarn, coating)
 KNOWN: list[Form] = [
     form for file in (*OF_THE_SPECIMEN, *OF_THE_RESISTANCE, lags, instruments) for form in file.FORMS
 ]
-UNKNOWN: list[Form] = [*unknown_fabric.FORMS, *unknown_wiring.FORMS]
+OUTSIDE: list[Form] = [*unknown_fabric.FORMS, *unknown_wiring.FORMS]
 MECHANISMS = list(dict.fromkeys(form.mechanism for form in KNOWN))
-UNKNOWN_KINDS = sorted({form.mechanism for form in UNKNOWN})
-NONE, ANY_UNKNOWN = "none", "unknown"
-MOST = 2  # effects at once
+UNKNOWN_KINDS = sorted({form.mechanism for form in OUTSIDE})
 
 
 @dataclass(frozen=True)
@@ -75,29 +74,11 @@ def asked_for(effect: str | None, seed: int) -> list[str]:
     """Names, each ``mechanism`` or ``mechanism:law``; None draws a mechanism, ``unknown`` stays as it is."""
     if effect is None:
         return [str(stream(seed, "which effect").choice(MECHANISMS))]
-    names = [name.strip() for name in effect.split(",")]
-    if names == [NONE]:
-        return []
-    if len(names) > MOST:
-        raise UserError(f"make_case: at most {MOST} effects at once, got {len(names)}; leave some out")
-    return [_known(name) for name in names]
-
-
-def _known(name: str) -> str:
-    mechanism, _, law = name.partition(":")
-    if name == ANY_UNKNOWN:
-        return name
-    laws = [form.name for form in _forms(mechanism)]
-    if not laws:
-        known = ", ".join([NONE, ANY_UNKNOWN, *MECHANISMS, *UNKNOWN_KINDS])
-        raise UserError(f"make_case: no effect {mechanism!r}; there are {known}")
-    if law and law not in laws:
-        raise UserError(f"make_case: {mechanism} has no law {law!r}; it has {', '.join(laws)}")
-    return name
+    return names_of(effect, {kind: [form.name for form in _forms(kind)] for kind in (*MECHANISMS, *UNKNOWN_KINDS)})
 
 
 def _forms(mechanism: str) -> list[Form]:
-    return [form for form in [*KNOWN, *UNKNOWN] if form.mechanism == mechanism]
+    return [form for form in [*KNOWN, *OUTSIDE] if form.mechanism == mechanism]
 
 
 def choose_effect(name: str, specimen: Specimen) -> Hidden:
@@ -111,10 +92,10 @@ def choose_effect(name: str, specimen: Specimen) -> Hidden:
         Laws take their scales from it.
     """
     mechanism, _, wanted = name.partition(":")
-    outside = mechanism in (ANY_UNKNOWN, *UNKNOWN_KINDS)
-    known_as = f"unknown:{mechanism}" if outside and mechanism != ANY_UNKNOWN else mechanism
+    outside = mechanism in (UNKNOWN, *UNKNOWN_KINDS)
+    known_as = f"unknown:{mechanism}" if outside and mechanism != UNKNOWN else mechanism
     rng = stream(specimen.seed, "effect", known_as)
-    if mechanism == ANY_UNKNOWN:
+    if mechanism == UNKNOWN:
         mechanism = UNKNOWN_KINDS[int(rng.integers(len(UNKNOWN_KINDS)))]
     forms = _forms(mechanism)
     if not wanted:  # only then, as the numbers that follow depend on what was drawn before

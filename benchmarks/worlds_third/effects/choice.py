@@ -6,19 +6,22 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from simulated_case import UNKNOWN, names_of, stream
 
 from gcode.support.errors import UserError
 from worlds_third.effects import contacts, electrical, kinematics, mechanics, readout, unknown
 from worlds_third.effects.form import Form
-from worlds_third.randoms import Values, draw, stream
+from worlds_third.randoms import Values, draw
 from worlds_third.sensor import Hook
 from worlds_third.signals import Signals
 
 KNOWN = [*kinematics.FORMS, *mechanics.FORMS, *contacts.FORMS, *electrical.FORMS, *readout.FORMS]
 MECHANISMS = list(dict.fromkeys(form.mechanism for form in KNOWN))
 UNKNOWN_KINDS = list(dict.fromkeys(form.mechanism for form in unknown.FORMS))
-NONE = "none"
-MOST = 2  # effects at once
+FORMS = {
+    kind: [form for form in [*KNOWN, *unknown.FORMS] if form.mechanism == kind]
+    for kind in [*MECHANISMS, *UNKNOWN_KINDS]
+}
 
 
 @dataclass(frozen=True)
@@ -59,23 +62,8 @@ def asked_for(effect: str | None, seed: int) -> list[str]:
     rng = stream(seed, "which effect")
     if effect is None:
         return [str(rng.choice(MECHANISMS))]
-    names = [name.strip() for name in effect.split(",")]
-    if names == [NONE]:
-        return []
-    if len(names) > MOST:
-        raise UserError(f"make_case: at most {MOST} effects at once, got {len(names)}; leave some out")
-    return [_known(str(rng.choice(UNKNOWN_KINDS)) if name == "unknown" else name) for name in names]
-
-
-def _known(name: str) -> str:
-    mechanism, _, form = name.partition(":")
-    forms = [f.name for f in [*KNOWN, *unknown.FORMS] if f.mechanism == mechanism]
-    if not forms:
-        known = ", ".join([NONE, "unknown", *MECHANISMS, *UNKNOWN_KINDS])
-        raise UserError(f"make_case: no effect {mechanism!r}; there are {known}")
-    if form and form not in forms:
-        raise UserError(f"make_case: {mechanism} has no form {form!r}; it has {', '.join(forms)}")
-    return name
+    names = names_of(effect, {kind: [form.name for form in forms] for kind, forms in FORMS.items()})
+    return [str(rng.choice(UNKNOWN_KINDS)) if name == UNKNOWN else name for name in names]
 
 
 def choose_effect(name: str, seed: int, attempt: int, channels: list[str]) -> Effect:
@@ -91,7 +79,7 @@ def choose_effect(name: str, seed: int, attempt: int, channels: list[str]) -> Ef
         ``force`` and ``conductance``, or one of them.
     """
     mechanism, _, wanted = name.partition(":")
-    forms = [f for f in [*KNOWN, *unknown.FORMS] if f.mechanism == mechanism and wanted in ("", f.name)]
+    forms = [form for form in FORMS[mechanism] if wanted in ("", form.name)]
     seen = [form for form in forms if _is_seen(form, channels)]
     if not seen:
         raise UserError(f"make_case: {name} acts on {forms[0].main} alone, which is not recorded; record it")

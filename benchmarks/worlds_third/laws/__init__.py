@@ -3,7 +3,20 @@
 A family is a mapping of names to `Law`. Strains are over the stroke (0 to 1), forces over the force at its end.
 """
 
-from worlds_third.laws.choice import Chosen, Law, choose_laws
-from worlds_third.laws.families import FAMILIES, LAW_FAMILIES
+from worlds_third.laws.conductance import CONDUCTANCE
+from worlds_third.laws.drift import DRIFT
+from worlds_third.laws.elasticity import ELASTICITY
+from worlds_third.laws.hysteresis import HYSTERESIS
+from worlds_third.laws.loops import LOOPS
+from worlds_third.laws.places import DRIVES, PLACES
 
-__all__ = ["FAMILIES", "LAW_FAMILIES", "Chosen", "Law", "choose_laws"]
+FAMILIES = {
+    "elasticity": ELASTICITY,
+    "hysteresis": HYSTERESIS,
+    "drive": DRIVES,
+    "conductance": CONDUCTANCE,
+    "loops": LOOPS,
+    "drift": DRIFT,
+    "drift_place": PLACES,
+}
+LAW_FAMILIES = {family: list(members) for family, members in FAMILIES.items()}

@@ -6,19 +6,9 @@ import numpy as np
 import pytest
 from worlds_fourth import make_case
 
-from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
 
 SHORT = {"minutes": 2.0}
-
-
-def test_a_law_of_the_effect_is_drawn_by_the_seed_whatever_the_strength() -> None:
-    forms = [
-        [make_case("rate_resistance", strength, seed, **SHORT).truth["effects"][0]["form"] for seed in range(6)]
-        for strength in (1.0, 2.0)
-    ]
-    assert forms[0] == forms[1]
-    assert len(set(forms[0])) > 1
 
 
 def test_the_recordings_are_of_one_sensor_and_move_on_their_own() -> None:
@@ -46,25 +36,3 @@ def test_one_channel_alone() -> None:
         case = make_case("stress_relaxation", 1.0, seed, channels=[RESISTANCE], **SHORT)
         assert case.truth["effects"][0]["strength_reached"] > 0.3
         assert case.truth["effects"][0]["main_channel"] == "conductance"
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        ({"effect": "gremlins"}, "no effect 'gremlins'; there are none, unknown, permanent_set"),
-        ({"effect": "slack:purple"}, "slack has no law 'purple'; it has too_long"),
-        ({"effect": "slack,slack,slack"}, "at most 2 effects at once, got 3"),
-        ({"protocol": "waltz"}, "no protocol 'waltz'; there is mixed"),
-        ({"rate_hz": 0.1}, "rate_hz must be between 10 and 100, got 0.1"),
-        ({"strength": -1.0}, "strength must be between 0.1 and 1000, got -1"),
-        ({"noise": float("nan")}, "noise must be between 0.1 and 30, got nan"),
-        ({"channels": ["pressure_Pa"]}, "got pressure_Pa"),
-        ({"channels": []}, "got none"),
-        ({"effect": "self_heating", "channels": [FORCE]}, "acts on the conductance alone, which is not recorded"),
-        ({"effect": "load_cell_creep", "channels": [RESISTANCE]}, "acts on the force alone, which is not recorded"),
-    ],
-)
-def test_what_makes_no_sense_is_said(arguments: dict[str, object], said: str) -> None:
-    with pytest.raises(UserError, match="make_case: ") as error:
-        make_case(**{"effect": "none", **SHORT, **arguments})  # type: ignore[arg-type]
-    assert said in str(error.value)

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from simulated_case import stream
 from worlds_second import make_case
-from worlds_second.draws import stream
 from worlds_second.protocols import draw_motion
 from worlds_second.rig import Rig
 from worlds_second.sensor import draw_sensor
@@ -15,7 +15,7 @@ from testbench.recordings.channels import FORCE, RESISTANCE
 
 
 def rig_of(seed):
-    motions = [draw_motion(stream(seed, "motion", "perlin", str(i)), "perlin", 3.0, 20.0, i, False) for i in (0, 1)]
+    motions = [draw_motion(stream(seed, "motion", "perlin", str(i)), "perlin", 3.0, 20.0, i) for i in (0, 1)]
     return Rig(draw_sensor(seed), seed, 1.0, motions, (FORCE, RESISTANCE))
 
 

@@ -79,6 +79,18 @@ def test_what_is_honest_is_read_as_it_was_written(place):
     assert json.loads((place / "again.json").read_text()) == json.loads((place / "c.json").read_text())
 
 
+def test_a_network_that_is_dead_is_told_wherever_it_is_used(place, caplog):
+    """`train` warned once; a constant force with status 0 would be believed by whoever gets the file."""
+    live = files.load(place / "c.json")
+    files.save(place / "dead.json", replace(live, recipe={**live.recipe, "dead_networks": 1, "restarts": 1}))
+    assert not caplog.text
+    assert (
+        main(["predict", str(place / "r.csv"), "--compensator", str(place / "dead.json"), "-o", str(place / "p")])
+        == 0
+    )
+    assert "dead.json: its network is dead, its output hardly moves; train with another --seed" in caplog.text
+
+
 def test_what_could_not_be_read_is_not_written(place):
     """Siemens by the billionth of a billionth of a billionth: no chip holds their spread."""
     read = files.load(place / "c.json")

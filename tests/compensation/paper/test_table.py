@@ -84,13 +84,6 @@ def test_transfer_shows_gains_with_both_scalers(runs):
     assert text.count("trained on 0-50 %, a = 1.75") == 2
 
 
-def test_raw_row_is_the_raw_score(runs):
-    series = reproduction.prepared(runs, "force")
-    raw = score.r2_before(series["A"].truth, series["A"].conductance_S)
-    assert np.isfinite(raw)
-    assert raw <= score.rho_squared(series["A"].truth, series["A"].conductance_S)
-
-
 def test_one_seed_has_no_spread(tmp_path, capsys):
     assert main(["table", "-o", str(tmp_path), "--seeds", "1"]) == 2
     assert "at least 2" in capsys.readouterr().err

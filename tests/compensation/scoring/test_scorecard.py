@@ -15,15 +15,20 @@ from compensation.series import score
 from compensation.series.preprocessing import series_of
 from compensation.training.options import Options
 from compensation.training.recalibration import recalibrated
-from tests.compensation.conftest import train
+from tests.compensation.conftest import paused, train
+
+SMALL = Options(sizes=(2,), restarts=1, engine="fast")
 
 
-def test_a_window_without_samples_is_left_out(recordings):
-    compensator = train(recordings[:1], "force", Options(sizes=(2,), restarts=1, engine="fast"))
+@pytest.fixture(scope="module")
+def compensator(recordings):
+    return train(recordings[:1], "force", SMALL)
+
+
+def test_a_window_without_samples_is_left_out(compensator, recordings):
     recording = recordings[2]
-    late_s = np.where(recording.time_s > recording.duration_s / 2, 300.0, 0.0)
-    paused = replace(recording, time_s=recording.time_s + late_s)
-    (row,) = score_recordings(replace(compensator, start="causal", irregular=True), [paused])["recordings"]
+    broken = paused(recording, recording.duration_s / 2, 300.0)
+    (row,) = score_recordings(replace(compensator, start="causal", irregular=True), [broken])["recordings"]
     assert len(row["zooms"]) == 2
     assert all(zoom["time_s"] for zoom in row["zooms"])
 
@@ -32,16 +37,15 @@ def test_a_window_without_samples_is_left_out(recordings):
 def test_a_slow_recording_is_scored_as_it_is_predicted(recordings, rate_hz):
     """On a grid between its samples a straight line would show the next one in advance."""
     slow = recordings[1].resampled(rate_hz)
-    compensator = train([slow], "force", Options(sizes=(2,), restarts=1, engine="fast"))
+    compensator = train([slow], "force", SMALL)
     told = predicted(compensator, slow.time_s, slow["resistance_ohm"]).value
     (row,) = score_recordings(compensator, [slow])["recordings"]
     assert (row["role"], row["samples"]) == ("training", len(slow))
     assert row["r2_after"] == pytest.approx(score.r2(slow["force_N"], told), abs=1e-12)
 
 
-def test_a_trace_keeps_its_times(recordings):
+def test_a_trace_keeps_its_times(compensator, recordings):
     """Seconds since 1970, to the microsecond."""
-    compensator = train(recordings[:1], "force", Options(sizes=(2,), restarts=1, engine="fast"))
     since_1970 = replace(recordings[1], time_s=recordings[1].time_s + 1.7e9)
     (row,) = score_recordings(compensator, [since_1970])["recordings"]
     for trace in (row["trace"], *row["zooms"]):
@@ -50,36 +54,27 @@ def test_a_trace_keeps_its_times(recordings):
     assert row["trace"]["time_s"][0] == pytest.approx(since_1970.time_s[0], abs=1e-6)
 
 
-def test_a_gap_is_no_part_of_a_score(recordings):
+def test_a_gap_is_no_part_of_a_score(compensator, recordings):
     """Over ten minutes of nothing the grid has straight lines, which nobody has measured."""
-    compensator = train(recordings[:1], "force", Options(sizes=(2,), restarts=1, engine="fast"))
     recording = recordings[1]
-    gap_s = np.where(recording.time_s > recording.duration_s / 2, 600.0, 0.0)
-    whole, paused = (
-        score_recordings(compensator, [one])["recordings"][0]
-        for one in (recording, replace(recording, time_s=recording.time_s + gap_s))
+    whole, broken = (
+        score_recordings(compensator, [one])["recordings"][0] for one in (recording, paused(recording, 120.0, 600.0))
     )
-    assert paused["samples"] == pytest.approx(whole["samples"], abs=3)
-    assert paused["r2_after"] == pytest.approx(whole["r2_after"], abs=0.05)
+    assert broken["samples"] == pytest.approx(whole["samples"], abs=3)
+    assert broken["r2_after"] == pytest.approx(whole["r2_after"], abs=0.05)
 
 
-def test_a_gap_is_no_part_of_a_training(recordings):
-    options = Options(sizes=(2,), restarts=1, engine="fast")
-    gap_s = np.where(recordings[0].time_s > recordings[0].duration_s / 2, 600.0, 0.0)
-    paused = replace(recordings[0], time_s=recordings[0].time_s + gap_s)
-    whole, learned = (train([one], "force", options) for one in (recordings[0], paused))
+def test_a_gap_is_no_part_of_a_training(compensator, recordings):
+    whole, learned = (compensator, train([paused(recordings[0], 120.0, 600.0)], "force", SMALL))
     assert learned.recipe["samples"] == pytest.approx(whole.recipe["samples"], abs=3)
     assert learned.scaling_out.scale == pytest.approx(whole.scaling_out.scale, rel=1e-3)
     before, after = (score_recordings(one, recordings[1:2])["recordings"][0]["r2_after"] for one in (whole, learned))
     assert after == pytest.approx(before, abs=0.03)
 
 
-def test_memories_go_on_over_a_gap_as_a_stream_does(recordings):
+def test_memories_go_on_over_a_gap_as_a_stream_does(compensator, recordings):
     """The sample after a pause stands for all of it."""
-    gap_s = np.where(recordings[1].time_s > recordings[1].duration_s / 2, 600.0, 0.0)
-    paused = replace(recordings[1], time_s=recordings[1].time_s + gap_s)
-    compensator = train(recordings[:1], "force", Options(sizes=(2,), restarts=1, engine="fast"))
-    part = series_of(paused, "force", 20.0)
+    part = series_of(paused(recordings[1], 120.0, 600.0), "force", 20.0)
     stream = CompensatorStream(compensator)
     steps_s = np.diff(part.time_s, prepend=part.time_s[0] - 0.05)
     streamed = [stream.update(*one) for one in zip(part.conductance_S, steps_s, strict=True)]
@@ -89,13 +84,12 @@ def test_memories_go_on_over_a_gap_as_a_stream_does(recordings):
 def test_a_recording_that_has_grown_was_learned_from(recordings):
     """Its first half must not count as held out."""
     first = recordings[0].between(0.0, recordings[0].duration_s / 2)
-    compensator = train([first], "force", Options(sizes=(2,), restarts=1, engine="fast"))
+    compensator = train([first], "force", SMALL)
     scores = score_recordings(compensator, [first, *recordings[:2]])
     assert [row["role"] for row in scores["recordings"]] == ["training", "training", "held-out"]
 
 
-def test_a_reference_was_not_held_out(recordings):
-    compensator = train(recordings[:1], "force", Options(sizes=(2,), restarts=1, engine="fast"))
+def test_a_reference_was_not_held_out(compensator, recordings):
     found = recalibrated(compensator, series_of(recordings[1], "force", 20.0))
     scores = score_recordings(found, recordings)
     assert [row["role"] for row in scores["recordings"]] == ["training", "reference", "held-out"]
@@ -103,9 +97,9 @@ def test_a_reference_was_not_held_out(recordings):
     assert score_recordings(found, recordings[:2])["summary"]["over"] == "training and reference"
 
 
-def test_every_reference_is_known_by_what_was_read(recordings, tmp_path):
+def test_every_reference_is_known_by_what_was_read(compensator, recordings, tmp_path):
     """Under whatever name, at rest as well, and the first of two recalibrations no less than the last."""
-    found = train(recordings[:1], "force", Options(sizes=(2,), restarts=1, engine="fast"))
+    found = compensator
     minute = series_of(recordings[1].between(0.0, 60.0), "force", 20.0)
     ohm = recordings[2]["resistance_ohm"]
     resting = replace(recordings[2], channels={**recordings[2].channels, "resistance_ohm": 0.9 * ohm[0] + 0.1 * ohm})
@@ -121,8 +115,7 @@ def test_every_reference_is_known_by_what_was_read(recordings, tmp_path):
     assert [row["role"] for row in scores["recordings"]] == ["training", "reference", "reference", "held-out"]
 
 
-def test_a_reference_of_an_older_file_is_known_by_its_path(recordings, tmp_path):
-    compensator = train(recordings[:1], "force", Options(sizes=(2,), restarts=1, engine="fast"))
+def test_a_reference_of_an_older_file_is_known_by_its_path(compensator, recordings, tmp_path):
     old = replace(compensator, recipe={**compensator.recipe, "recalibrated": {"on": recordings[1].source}})
     files.save(tmp_path / "c.json", old)
     again = files.load(tmp_path / "c.json")

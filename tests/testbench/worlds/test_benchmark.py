@@ -89,6 +89,50 @@ def test_a_simulator_of_one_world_makes_cases_of_any_kind_it_has(bench, name):
     }
 
 
+def test_a_sensor_clamped_anew_is_diagnosed_as_one(bench):
+    seen = []
+
+    def diagnose(calibration, held_out, catalogue, clamp_play_mm=0.0):
+        seen.append(clamp_play_mm)
+        return Fake("nothing_missing")
+
+    jobs = [bench.Job("none", world=world, seed=3, minutes=2.0, rate_hz=10.0) for world in bench.FREELY_ASKED]
+    for job in jobs:
+        for again in (False, True):
+            row = bench.run_job(bench.replace(job, reclamped=again), diagnose)
+            assert (row.get("error"), row["reclamped"]) == (None, again)
+    assert [play > 0 for play in seen] == [False, True] * 2
+
+
+def test_some_recordings_of_any_kind_are_clamped_anew_and_the_others_keep_their_keys(bench):
+    jobs = bench.kinds_of(60, 4, "second")
+    assert 5 < sum(job.reclamped for job in jobs) < 30
+    assert jobs[:20] == bench.kinds_of(20, 4, "second")
+    assert not any(job.reclamped for job in bench.kinds_of(20, 4))
+    first = bench.replace(jobs[0], reclamped=False)
+    assert first.key == "contact_saturation/10.0/second/4000/False/10.0/100.0//staircase/resistance_ohm"
+    others = bench.replace(first, reclamped=True), bench.replace(first, laws="drift=none")
+    assert len({job.key for job in (first, *others)}) == 3
+
+
+def test_a_family_of_laws_is_left_out_and_judged_on(bench, capsys, monkeypatch):
+    ran = []
+    monkeypatch.setattr(bench, "run_all", lambda jobs, *_: ran.extend(jobs) or [])
+    for asked, laws in (("elasticity=fung", {"fung"}), ("elasticity!=fung", None)):
+        bench.main(["--simulator", "second", "--laws", asked, "--minutes", "1", "--limit", "3"])
+        drawn = {job.made().truth["base"]["elasticity"]["law"] for job in ran}
+        assert drawn == laws if laws else "fung" not in drawn
+        ran.clear()
+    for simulator, asked, said in (
+        ("third", "elasticity=fung", "laws: elasticity=law,law or elasticity!=law, of gent"),
+        ("fourth", "elasticity=fung", "--laws: only for --simulator second or third, not fourth"),
+        ("second", "colour=red", "laws: no family 'colour'; there are contact, drift"),
+    ):
+        with pytest.raises(SystemExit, match="2"):
+            bench.main(["--simulator", simulator, "--laws", asked])
+        assert said in capsys.readouterr().err
+
+
 def test_the_third_simulator_makes_cases_of_its_own(bench):
     row = _row(bench, "clamp_slip", Fake("missing", "clamp_slip"), world="third")
     assert (row["simulator"], row["hidden"], row["reached"]) == (
