@@ -42,17 +42,17 @@ def _role(column: Column) -> tuple[str, int]:
     """What a column is by its name and unit, and how plainly; an empty role where it cannot be told."""
     unit = column.heading.unit(column.unit_text)
     roles = dict(column.heading.roles)
-    named = role_beside_unit(column.heading.whole)
+    named = role_beside_unit(column.heading.base, column.heading.whole)
     if named and unit_of(column.unit_text, ROLES[named]):
         return named, SYMBOL
-    if STRETCH & set(roles):
-        stretch = {"length": "displacement", "ratio": "strain"}.get(unit.quantity if unit else "")
-        roles = {stretch or role: strength for role, strength in roles.items()}
     if unit:
+        stretch = {"length": "displacement", "ratio": "strain"}.get(unit.quantity)
+        roles = {stretch if stretch and role in STRETCH else role: strength for role, strength in roles.items()}
         roles = {role: strength for role, strength in roles.items() if unit.quantity in ROLES[role]}
         if is_generic(column.heading.base):
             role = next((role for role, quantities in ROLES.items() if quantities == (unit.quantity,)), "")
             return (role if unit.quantity != "ratio" else ""), SYMBOL
+    roles = {role: strength for role, strength in roles.items() if strength == max(roles.values())}
     if len(roles) != 1 or (column.heading.base in ("s", "T") and unit is None):
         return "", 0  # s: a displacement or seconds, T: a temperature or a time; the letter alone does not say
     role, strength = next(iter(roles.items()))

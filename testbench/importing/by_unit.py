@@ -29,26 +29,21 @@ def take(choice: Choice, role: str, column: Column, clock: Column | None, wish: 
     if role == "time" and (given == DATE or (given is None and column.number in kinds[is_when])):
         choice.taken[role] = Taken(role, column, None, "its dates")
         return
-    from_file = _unit_in_file(role, column)
+    unit, where = _unit_in_file(role, column), column.unit_from or NAMED
     if given is not None:
-        unit = given_unit(UNIT_FLAGS[role], given, ROLES[role])
+        from_file, unit, where = unit, given_unit(UNIT_FLAGS[role], given, ROLES[role]), UNIT_FLAGS[role]
         if column.unit_text and from_file != unit:
             choice.notes.append(
-                f"{role}: {column.label} says {column.unit_text}, {UNIT_FLAGS[role]} says {unit.symbol}: "
-                f"{unit.symbol} was taken"
+                f"{role}: {column.label} says {column.unit_text}, {where} says {unit.symbol}: {unit.symbol} was taken"
             )
-        choice.taken[role] = Taken(role, column, unit, UNIT_FLAGS[role], clock)
-        return
-    if role == "displacement" and from_file is not None and from_file.quantity == "ratio":
+    elif role == "displacement" and unit is not None and unit.quantity == "ratio":
         role = "strain"
-    if from_file is None:
+    if unit is None:
         choice.troubles.append(Trouble("unit", role, (column,)))
-        where = ""
-    else:
-        where = column.unit_from or NAMED
-    choice.taken[role] = Taken(role, column, from_file, where, clock)
+    choice.taken[role] = Taken(role, column, unit, where if unit else "", clock)
     if role.startswith("relative") and wish.r0_ohm is None:
-        choice.troubles.append(Trouble("r0", role, (column,)))
+        in_ohm = unit is not None and unit.quantity == "resistance"
+        choice.troubles.append(Trouble("r0_in_ohm" if in_ohm else "r0", role, (column,)))
 
 
 def _short(given: str | None, column: Column, days: Mapping[int, int]) -> str:
@@ -64,6 +59,8 @@ def _unit_in_file(role: str, column: Column) -> Unit | None:
     if role.startswith("relative") and not column.unit_text and _is_plainly_one(role, column):
         return next(unit for unit in units_spelt("1") if unit.quantity == "ratio")
     quantities = ("length", "ratio") if role == "displacement" else ROLES[role]
+    if role.startswith("relative") and column.heading.says_ratio:
+        quantities = ("ratio",)
     text = column.unit_text or unit_behind(column.heading.whole, quantities)
     fitting = [unit for unit in units_spelt(text) if unit.quantity in quantities]
     return fitting[0] if len(fitting) == 1 else None

@@ -98,6 +98,9 @@ def import_file(path: Path, wish: Wish) -> list[Imported]:
     read = read_columns(sheet, choice, wish.hints.thousands)
     if read.wrong and not wish.drop_bad:
         raise UserError(f"{path}: {read.wrong[0]}")
+    change = choice.taken.get("relative_change")
+    if change and change.unit and change.unit.quantity == "resistance":
+        read.values["relative_change"] /= float(wish.r0_ohm or np.nan)
     time_s = read.values["time"] if "time" in read.values else _at_rate(sheet, read, float(wish.rate_hz or 1.0))
     parts = _parts(sheet, choice, wish, read, time_s)
     labels = {role: choice.taken[role].column.label for role in choice.taken}

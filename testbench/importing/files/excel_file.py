@@ -130,14 +130,17 @@ def _sheets(sheets: dict[str, Any]) -> str:
 
 
 def _read(path: Path, wanted: str | None) -> dict[str, list[list[Any]]]:
-    import openpyxl
+    from openpyxl.reader.excel import ExcelReader
     from openpyxl.utils.exceptions import InvalidFileException
 
     check_unpacked(path)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of styles and extensions that are of no use here
-            book = openpyxl.load_workbook(path, read_only=True, data_only=True)
+            reader = ExcelReader(path, read_only=True, data_only=True)
+            reader.read_chartsheet = lambda *_: None  # it has no cells, and fails where a sheet has no chart
+            reader.read()
+            book = reader.wb
     except (*BROKEN, InvalidFileException, ParseError, KeyError, TypeError, AttributeError) as error:
         raise UserError(f"{path}: not an Excel workbook that can be read ({error}); save it again as .xlsx") from None
     try:

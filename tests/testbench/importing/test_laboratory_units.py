@@ -96,6 +96,23 @@ HEADINGS = [
     ("Kraft (in kN)", {"force"}, "in kN"),
     ("Load cell 100N [N]", {"force"}, "N"),
     ("max10 [mm]", set(), "mm"),
+    ("forceN", {"force"}, "N"),
+    ("timeMs", {"time"}, "ms"),
+    ("xMm", {"displacement"}, "mm"),
+    ("resKOhm", {"resistance"}, "kOhm"),
+    ("resMohm", {"resistance"}, ""),  # a capital may be there but to part it
+    ("posM", {"displacement"}, ""),
+    ("forceMax", set(), ""),
+    ("X_MM", set(), "MM"),
+    ("Last_kN", set(), "kN"),
+    ("Time (s) Run #1", {"time"}, "s"),
+    ("Load (N) Cell 2", {"force"}, "N"),
+    ("Force (N) in kN", {"force"}, "N kN"),
+    ("R_temp_comp [Ohm]", {"temperature", "resistance"}, "Ohm"),
+    ("Time difference (s)", set(), "s"),
+    ("Δ Force (N)", set(), "N"),
+    ("Längenänderung [mm]", {"displacement"}, "mm"),
+    ("dR/dt [Ohm/s]", set(), "Ohm/s"),
 ]
 POWERS = [
     "R Ohm (x1000)",

@@ -120,6 +120,16 @@ def test_of_several_tables_in_a_workbook_one_must_be_named(tmp_path):
         import_csv(tmp_path / "two.xlsx", Wish(40.0, hints=Hints(sheet="Dat")))
 
 
+def test_a_chart_sheet_is_passed_over(tmp_path):
+    """One without a chart yet was said to be no workbook."""
+    import openpyxl
+
+    book = openpyxl.load_workbook(exports.workbook(tmp_path))
+    book.create_chartsheet("Chart", 0)
+    book.save(tmp_path / "lab.xlsx")
+    exports.check_same(import_csv(tmp_path / "lab.xlsx", Wish(40.0)).recording)
+
+
 @pytest.mark.parametrize("name", ["lab.xlsx", "lab.tdms", "lab.xls"])
 def test_what_only_has_the_name_of_a_workbook_is_a_sentence(tmp_path, name):
     (tmp_path / name).write_text("t,x\n0,1\n")
