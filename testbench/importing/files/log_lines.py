@@ -15,7 +15,7 @@ BETWEEN = {",": r"\s*,\s*", ";": r"\s*;\s*", "\t": r"\s*\t\s*", "|": r"\s*\|\s*"
 # Monitors of serial ports write when a line came, in brackets (Tera Term), with an arrow behind it (Arduino) or alone
 # (CoolTerm); boards (ESP-IDF, Zephyr) their ms or time in brackets, how grave it is, and which part of the program
 # speaks. Behind a clock alone stands a cell, and not what belongs to the clock.
-_CLOCK = r"(?:\d{4}-\d{2}-\d{2}[ T])?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?(?:,\d{3})?"
+_CLOCK = r"(?:\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}[ T])?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?(?:,\d{3})?"
 _MARKED = rf"\[?({_CLOCK})(?:\](?: <\w+> [^:\n]*:)?| -?>)|[EWIDV] \((\d+|{_CLOCK})\) [^:\n]*:"
 _OF_CLOCK = r"[AaPp]\.?[Mm]\.?|[A-Z]{3,5}|Z|[+-]\d{2}:?\d{2}"
 _COLOURS = re.compile(r"\x1b\[[\d;?]*[A-Za-z]")  # of a terminal, which its log keeps

@@ -162,8 +162,9 @@ def _ends(plain: str) -> list[tuple[str, ...]]:
     found = [match for pattern in (_TAIL, _PER_CENT) if (match := pattern.match(plain))]
     ends = [one for one in found if not one[2].isdigit() or plain[one.end(1) : one.start(2)].strip("_. ")]
     parted: list[tuple[str, ...]] = [(one[1].strip(), one[2]) for one in ends if one[1].strip()]
-    if joined := _JOINED.match(plain):
-        parted.append((joined[1], joined[2], *([joined[2][0].lower() + joined[2][1:]] * (len(joined[2]) > 1))))
+    joined = _JOINED.match(plain)
+    if joined and joined[2] != "In":  # of inputs
+        parted.append((joined[1], joined[2], joined[2][0].lower() + joined[2][1:] if joined[2][1:] else ""))
     return parted
 
 

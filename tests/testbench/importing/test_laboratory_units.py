@@ -102,6 +102,7 @@ HEADINGS = [
     ("resKOhm", {"resistance"}, "kOhm"),
     ("resMohm", {"resistance"}, ""),  # a capital may be there but to part it
     ("posM", {"displacement"}, ""),
+    ("posIn", {"displacement"}, ""),
     ("forceMax", set(), ""),
     ("X_MM", set(), "MM"),
     ("Last_kN", set(), "kN"),
