@@ -154,7 +154,7 @@ def _check_one_table(sheet: Sheet, columns: Sequence[Column], frame: pd.DataFram
             speaking += text.isin([word for word in words if _is_another_name(word, column)]).to_numpy(dtype=bool)
     taken = frame[[column.number for column in columns]]
     filled = taken.notna().sum(axis=1).to_numpy()
-    if not sheet.parts_sentences:
+    if sheet.separator != " ":  # which parts the words of a remark, too
         full = np.flatnonzero((worded == len(columns)) & (speaking == 0))
         full = full[~taken.iloc[full].duplicated().to_numpy()]
         speaking[full[[_are_names(taken.iloc[row], columns) for row in full]]] = 1

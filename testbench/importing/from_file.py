@@ -61,7 +61,7 @@ def look(path: Path, wish: Wish) -> tuple[Sheet, Choice]:
         If the file cannot be read, or a column or unit that `wish` names is not there.
     """
     sheet = open_sheet(path, wish.names(), wish.hints)
-    if shifted := misfit(sheet.head, sheet.layout, sheet.whole_names):
+    if shifted := misfit(sheet.head, sheet.layout, whole_names=sheet.separator == "\t"):
         raise UserError(
             f"{path}: {shifted}: which name belongs to which column cannot be told; mend the file, or say "
             "--header-row 0 and --units-row 0 and give columns by number"
@@ -121,20 +121,6 @@ def _at_rate(sheet: Sheet, read: Read, rate_hz: float) -> np.ndarray:
     filled = ~sheet.blank(sheet.body([column.number for column in sheet.layout.columns]))
     sample = np.cumsum(filled)[read.rows - sheet.layout.first_row]
     return (sample - sample[0]) / rate_hz
-
-
-def import_csv(path: Path, wish: Wish) -> Imported:
-    """Read a foreign file that holds one recording.
-
-    Raises
-    ------
-    UserError
-        As `import_file`; or if the file holds several repeats.
-    """
-    done = import_file(path, wish)
-    if len(done) > 1:
-        raise UserError(f"{path}: holds {len(done)} repeats; say which one with --repeat N")
-    return done[0]
 
 
 def _parts(sheet: Sheet, choice: Choice, wish: Wish, read: Read, time_s: np.ndarray) -> list[tuple[str, np.ndarray]]:

@@ -98,19 +98,8 @@ def _counts(lines: Sequence[str], separator: str) -> list[int]:
 class TextSheet(Sheet):
     """A text file."""
 
-    separator: str
     encoding: str
     named: NamedCells | None = None
-
-    @property
-    def parts_sentences(self) -> bool:
-        """Whether each word of a remark is a cell of its own."""
-        return self.separator == BLANKS
-
-    @property
-    def whole_names(self) -> bool:
-        """Whether no name can have been parted: nobody writes a tab in one."""
-        return self.separator == "\t"
 
     def blank(self, frame: pd.DataFrame) -> np.ndarray:
         """Which rows of columns that `body` gave are empty.
@@ -250,7 +239,7 @@ def open_text(path: Path, wanted: Sequence[str], hints: Hints) -> TextSheet:
     separator, rows, layout = max(found, key=lambda one: _worth(one[1], one[2], wanted))
     decimal = hints.decimal_said or _decimal(path, rows, layout, separator)
     details = {"separator": separator, "decimal": decimal, "encoding": encoding.removesuffix("-sig")}
-    return TextSheet(path, rows, layout, decimal, details, separator, encoding, named)
+    return TextSheet(path, rows, layout, decimal, separator, details, encoding, named)
 
 
 def _with_corner(lines: list[str]) -> list[str]:

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from gcode.support.errors import UserError
-from testbench.importing.from_file import import_csv
 from testbench.importing.sheet import Hints
 from testbench.importing.vocabulary.headings import read_heading
 from testbench.importing.wish import Wish
+from tests.testbench.importing.exports import import_csv
 
 TIME_S = np.round(0.1 * np.arange(40), 1)
 ROWS = [f"{time_s},{0.5 * n % 7},{0.2 + 0.5 * n % 7:.1f}" for n, time_s in enumerate(TIME_S)]

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from gcode.support.errors import UserError
-from testbench.importing.from_file import import_csv
 from testbench.importing.wish import Wish
+from tests.testbench.importing.exports import import_csv
 
 COUNT = 40
 T, X, F, R = (np.round(np.arange(COUNT) * step, 3) for step in (0.1, 0.25, 0.5, 40.0))

@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 
 from gcode.support.errors import UserError
 from testbench.cli import main
-from testbench.importing.from_file import import_csv, look
+from testbench.importing.from_file import look
 from testbench.importing.vocabulary.headings import read_heading
 from testbench.importing.wish import Wish
+from tests.testbench.importing.exports import import_csv
 
 FORMULAS = [
     "dR/R0", "ΔR/R0", "∆R/R0", "ΔR / R₀", "ΔR/R", "delta R/R0", "deltaR/R0", "(R-R0)/R0", "(R − R_0)/R_0",

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from gcode.support.errors import UserError
-from testbench.importing.from_file import import_csv
 from testbench.importing.sheet import Hints
 from testbench.importing.wish import Wish
 from tests.testbench.importing import exports
+from tests.testbench.importing.exports import import_csv
 
 
 def test_excel_is_read_as_it_is_shown(tmp_path):
