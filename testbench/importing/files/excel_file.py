@@ -136,7 +136,7 @@ def _read(path: Path, wanted: str | None) -> dict[str, list[list[Any]]]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of styles and extensions that are of no use here
             reader = ExcelReader(path, read_only=True, data_only=True)
-            reader.read_chartsheet = lambda *_: None  # it has no cells, and fails where a sheet has no chart
+            reader.read_chartsheet = lambda *_: None  # which has no cells, and openpyxl fails where it is empty
             reader.read()
             book = reader.wb
     except (*BROKEN, InvalidFileException, ParseError, KeyError, TypeError, AttributeError) as error:

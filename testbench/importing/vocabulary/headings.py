@@ -23,13 +23,17 @@ _JOINED = re.compile(r"^(.*[^\W\d_A-Z])([A-Z]\w*)$")  # forceN, timeMs
 _PER_CENT = re.compile(r"^(.*?)\s*([%‰])$", re.S)
 _BEFORE = re.compile(r"^([%‰]|(?:per ?cent|prozent|pct)(?=[\s_]))[\s_]*(?:of\s+)?(?=\S)", re.I)  # % strain
 _MADE = re.compile(r"\.\.([^.]+)\.$")  # R makes Load..N. of Load (N), and MATLAB Load_N_
-_COMMENT = re.compile(r"^(?:#+|//+)\s*(?=\S)")
+COMMENT = re.compile(r"^(?:#+|//+)\s*(?=\S)")
 _HIGH = "[⁰¹²³⁴-⁹⁻]"
+_TIMES = "(?:kilo|mega|milli|mi[ck]ro|centi|tenths?|hundredths?|thousandths?|zehntel|hundertstel|tausendstel)"
 _POWERS = (  # whether the numbers are to be multiplied or were, nobody can tell
-    rf"(?<=\S)\s*(?:(?<![A-Za-z])x|[×*·÷])\s*(?:10+(?![\d.])(?:\^?[-+]?\d+|{_HIGH}+)?|0[.,]0*1\b)",  # x1000, *0.001
+    # x1000, *0.001, x1k
+    rf"(?<=\S)\s*(?:(?<![A-Za-z])x|[×*·÷])\s*(?:10+(?![\d.])(?:\^?[-+]?\d+|{_HIGH}+)?|1[kKM]\b|0[.,]0*1\b)",
     r"(?<=\S)\s*/\s*10{2,}\b",  # /1000
     rf"\b10(?:(?:\^|\*\*)\s*[-+−]?\d+|{_HIGH}+)",  # 10^3, 10**-3, 10³
-    r"\b\d+[eE][-+]?\d+\b",  # 1e3
+    r"\b(?:\d+[eE][-+]?|(?<!\d)[eE][-+])\d+\b",  # 1e3, E+3
+    rf"(?i:\b{_TIMES}\b)(?!\s+\w)",  # kilo (Ohm), but no kilo ohms
+    r"(?<=\s)[(\[]?[kM][)\]]?(?=\s*[(\[])|[(\[][kM][)\]](?=\s*\w)",  # k (Ohm), (k) Ohm
     r"(?:(?<=[\s/(\[{<])|^)10+(?=\s*[^\W\d]+[\])}>]*$)",  # 1000 before a unit at the end
     r"^10+\s*(?:x\b|[×*·])(?=\s*\S)",  # 100 x dR/R0
 )
@@ -85,7 +89,7 @@ class Heading:
 
 def read_heading(text: str) -> Heading:
     """Part a header cell: ``Kraft [N]``, ``Weg / mm``, ``time_ms``, ``Load(Cell 1:Load) (N)``, ``# Zeit in s``."""
-    plain = _COMMENT.sub("", plain_text(text[:LONGEST]).strip("\"'").strip())
+    plain = COMMENT.sub("", plain_text(text[:LONGEST]).strip("\"'").strip())
     plain = _MADE.sub(r" (\1)", plain).rstrip("_").removesuffix("()")
     power = power_of_ten(plain)
     whole, unit_text = _unit_in_front(plain.replace(power, "", 1).strip() if power else plain)
@@ -175,8 +179,8 @@ def _one_unit(ends: Sequence[str], quantities: tuple[str, ...]) -> str:
 
 
 def unit_behind(name: str, quantities: tuple[str, ...]) -> str:
-    """The unit of one of these quantities at the end of a name: ``ext_mm``; but not of ``(1/Ohm)`` or ``(0.1 N)``."""
-    ends = [ends for before, *ends in _ends(name) if not re.search(r"[(\[{<][\d.,]+$", before)]
+    """The unit of one of these quantities at the end of a name (``ext_mm``), but not in ``(tens of N)``."""
+    ends = [ends for before, *ends in _ends(name) if not re.search(r"[(\[{<][^)\]}>]*$", before)]
     return next(filter(None, (_one_unit(one, quantities) for one in ends)), "")
 
 

@@ -14,7 +14,8 @@ _CHANGES = (
     re.compile(rf"{_BEFORE}R_?t?/{_REST}-1$", re.I),
 )
 _RATIO = re.compile(rf"{_BEFORE}R_?t?/{_REST}{_NUMBER}", re.I)
-_CHANGE = re.compile(rf"{_BEFORE}{_DELTA_R}(?![^\W\d_]|[ _]*[/_ ][ _]*[d∂Δδ])", re.I)  # no rate, dR/dt
+_RATE = r"[ _]*[/_ ][ _]*[d∂Δδ]"  # dR/dt
+_CHANGE = re.compile(rf"{_BEFORE}(?:{_DELTA_R}(?![^\W\d_]|{_RATE})|R(?:_?t|\(t\))? ?- ?{_REST}{_NUMBER})", re.I)
 
 _RESISTANCE = frozenset(["r", "res", "resistance", "resistor"])
 _RESISTANCE_PARTS = ("widerstand", "电阻", "電阻", "抵抗", "저항")

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterable
 
 from testbench.importing.vocabulary.relative import CHANGE_PARTS, CHANGE_WORDS, ratio_by_formula, ratio_by_words
 
@@ -55,7 +54,7 @@ _WHOLE = {
         "force load loadcell effort forza carico fuerza carga forca kracht sila kuvvet нагрузка усилие сила"
     ),
     "resistance": _words(
-        "resistance resistor resist res resistenza resistencia weerstand rezystancja opor odpor "
+        "resistance resistor resist res fres resistenza resistencia weerstand rezystancja opor odpor "
         "resistans motstand modstand direnc сопротивление"
     ),
     "conductance": _words("conductance conduttanza conductancia condutancia konduktancja"),
@@ -90,6 +89,7 @@ _ABOUT = _words(
     "peak break rupture yield std sd noise error limit digits count counter number index cycle cycles "
     "zyklus zyklen energy work stress modulus stiffness density adc shunt series ntc ptc rtd thermistor "
     "log ln lg inverse reciprocal per cumulative accumulated offset tare difference diff squared sqrt "
+    "err sigma uncertainty tolerance resolution residual gradient integral derivative "
     "vitesse velocita velocidad velocidade consigne contrainte maximale massimo massima maximo maxima snelheid "
     "predkosc maksymalna maksymalne zadana zadane naprezenie"
 ) + tuple(CHANGE_WORDS)
@@ -111,7 +111,7 @@ _NONE_ABOUT = {
 }
 # Of an index behind R: the resistance at rest, or another one of the circuit, and not the one that is measured.
 _NOT_MEASURED = _words("0 o ref init initial rest shunt series load known fixed pullup pulldown div divider")
-# A strain that is not the nominal one along the sensor: of the length at the time, or across.
+# A strain that is not the nominal one, on which every model here is built: of the length at the time, or across.
 _NOT_NOMINAL = _words("true log logarithmic hencky transverse lateral")
 _NOT_NOMINAL_PARTS = _words("quer wahre logarithm hencky 真 对数 對數 横 橫向 진변형 횡변형")
 _NOT_ALONE = _words("力矩 动力 動力 应力 應力 圧力 压力 壓力 入力 出力")
@@ -164,7 +164,7 @@ def roles_of(base: str, whole: str) -> dict[str, int]:
     found: dict[str, int] = {}
     for role in _WHOLE:
         strength = max(_by_word(role, base, whole), _by_symbol(role, base))
-        if strength and not speaks_about(whole, role) and not (role == "strain" and _is_not_nominal(whole)):
+        if strength and not speaks_about(whole, role):
             found[role] = strength
     return found
 
@@ -211,17 +211,11 @@ def _letter_and_index(base: str) -> tuple[str, str]:
 
 def speaks_about(whole: str, role: str = "") -> bool:
     """Whether a name is of something derived: a rate, a set point, a maximum, a counter, a logarithm."""
-    none_about = _NONE_ABOUT.get(role, set())
-    return _has(whole, set(_ABOUT) - none_about, set(_ABOUT_PARTS) - none_about)
-
-
-def _is_not_nominal(whole: str) -> bool:
-    """Whether a strain is another than the nominal one, on which every model here is built."""
-    return _has(whole, _NOT_NOMINAL, _NOT_NOMINAL_PARTS)
-
-
-def _has(name: str, words: Iterable[str], parts: Iterable[str]) -> bool:
-    return not set(words).isdisjoint(words_of(name)) or any(part in name.casefold() for part in parts)
+    words, parts, none_about = set(_ABOUT), set(_ABOUT_PARTS), _NONE_ABOUT.get(role, set())
+    if role == "strain":
+        words, parts = words.union(_NOT_NOMINAL), parts.union(_NOT_NOMINAL_PARTS)
+    has_word = not (words - none_about).isdisjoint(words_of(whole))
+    return has_word or any(part in whole.casefold() for part in parts - none_about)
 
 
 def is_generic(base: str) -> bool:

@@ -165,6 +165,11 @@ def test_names_and_units_once_more_are_no_other_table(tmp_path, again):
         import_csv(path, Wish(40.0, drop_bad=True))
 
 
+def test_a_row_of_units_may_be_a_comment(tmp_path):
+    path = _lines(tmp_path / "script.csv", "# Time, Extension, Load", "# s, mm, N", *ROWS)
+    assert import_csv(path, Wish(40.0)).recording["force_N"][1] == pytest.approx(0.7)
+
+
 def test_blanks_may_stand_behind_a_sign(tmp_path):
     rows = [f"{time_s},+  {0.5 * n % 7},-   {0.2 + 0.5 * n % 7:.1f}" for n, time_s in enumerate(TIME_S)]
     found = import_csv(_lines(tmp_path / "graphtec.csv", HEADER, *rows), Wish(40.0)).recording

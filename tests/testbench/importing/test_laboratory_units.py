@@ -92,6 +92,8 @@ HEADINGS = [
     ("# Zeit in s", {"time"}, "s"),
     ("R k Ohm", {"resistance"}, "k Ohm"),
     ("R (k Ohm)", {"resistance"}, "k Ohm"),
+    ("R in kilo ohms", {"resistance"}, "kilo ohms"),
+    ("Displacement u (mm)", {"displacement"}, "mm"),
     ("R_k_Ohm", {"resistance"}, ""),
     ("Kraft (in kN)", {"force"}, "in kN"),
     ("Load cell 100N [N]", {"force"}, "N"),
@@ -123,6 +125,13 @@ POWERS = [
     "R / 1000 Ohm",
     "R Ohm (*0,001)",
     "R*1e3 [Ohm]",
+    "R (E+3 Ohm)",
+    "R x1k (Ohm)",
+    "R kilo (Ohm)",
+    "R k (Ohm)",
+    "R (k) Ohm",
+    "R (k) [Ohm]",
+    "Load in tenths (N)",
 ]
 
 

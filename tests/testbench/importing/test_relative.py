@@ -40,7 +40,7 @@ OTHERS = [
     "Strain change (%)",
 ]
 IN_OHM = [("dR (ohm)", 1.0), ("Resistance change (Ω)", 1.0), ("resistance_change_kohm", 1e3), ("ΔR [kΩ]", 1e3)]
-IN_OHM += [("Sensor 1 Delta R / Ohm", 1.0), ("Widerstandsänderung in kOhm", 1e3)]
+IN_OHM += [("R - R0 (Ohm)", 1.0), ("Sensor 1 Delta R / Ohm", 1.0), ("Widerstandsänderung in kOhm", 1e3)]
 REST_OHM, CHANGE = 4700.0, np.linspace(0.01, 0.41, 9)
 
 

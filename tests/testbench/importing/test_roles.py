@@ -45,7 +45,8 @@ def test_the_measured_resistance_is_taken_before_what_is_made_of_it(tmp_path, na
 
 DERIVED = ["Log resistance (Ohm)", "Log10 R [Ohm]", "ln(R) [Ohm]", "1/Resistance (1/Ohm)", "NTC resistance (Ohm)"]
 DERIVED += ["Force per wale [N]", "Force offset [N]", "Inverse resistance [Ohm]"]
-DERIVED += ["Force^2 [N]", "Force² [N]", "Delta force (N)", "Kraftänderung [N]"]
+DERIVED += ["Force^2 [N]", "Force² [N]", "Delta force (N)", "Kraftänderung [N]", "F_err (N)"]
+DERIVED += ["Resistance tolerance (Ohm)"]
 
 
 @pytest.mark.parametrize("name", DERIVED)
@@ -78,7 +79,9 @@ def test_units_behind_names_of_programs(tmp_path, names):
     assert recording["force_N"].tolist() == [3 * n for n in range(9)]
 
 
-@pytest.mark.parametrize("name", ["Load (0.1 N)", "Load (0,01 N)", "Load (5 N)", "Load cell (50 N)"])
+@pytest.mark.parametrize(
+    "name", ["Load (0.1 N)", "Load (0,01 N)", "Load (tens of N)", "Load (milli N)", "Load (5 N)", "Load cell (50 N)"]
+)
 def test_a_unit_behind_a_number_in_brackets_is_none(tmp_path, name):
     """Tenths of a newton were read as newtons."""
     with pytest.raises(UserError, match=r"force .*does not say its unit|its unit"):
