@@ -17,7 +17,7 @@ from gcode.programs.make import make
 from gcode.trajectories.presets import preset as trajectory_preset
 from testbench.campaigns.campaign import simulate_campaign
 from testbench.campaigns.plan import Plan
-from testbench.importing.from_file import import_csv
+from testbench.importing.from_file import import_file
 from testbench.importing.wish import Wish
 from testbench.knit.presets import preset
 from testbench.recordings.files import read_recording
@@ -72,7 +72,7 @@ def large_import(folder: Path, rows: int) -> None:
             stream.write("%.3f,%.5f,%.5f,%.3f\n" * len(part) % tuple(part.ravel()))
     wish = Wish(25.0, units={"time": "s", "displacement": "mm", "force": "N", "resistance": "ohm"})
     start_s = timeit.default_timer()
-    imported = import_csv(path, wish)
+    (imported,) = import_file(path, wish)
     import_s = timeit.default_timer() - start_s
     size_MB = path.stat().st_size / 1e6
     print(f"import: {len(imported.recording)} rows, {size_MB:.0f} MB: {import_s:.1f} s, {rows / import_s:.2g} rows/s")

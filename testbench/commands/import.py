@@ -23,7 +23,7 @@ COLUMNS = (
     ("resistance", ""),
     ("conductance", "instead of a resistance"),
     ("relative-resistance", "R/R0 instead of a resistance"),
-    ("relative-change", "(R-R0)/R0 instead of a resistance"),
+    ("relative-change", "(R-R0)/R0, or R-R0 in ohm, instead of a resistance"),
     ("temperature", ""),
 )
 UNITS = (
@@ -34,7 +34,7 @@ UNITS = (
     ("resistance", "ohm, mohm, kohm, Mohm, Gohm"),
     ("conductance", "S, mS, uS, nS"),
     ("temperature", "C, K, F"),
-    ("relative", "1, %%, ‰, µε; of a ratio such as R/R0 1 where nothing says another"),
+    ("relative", "1, %%, ‰, µε, of R-R0 ohm, kohm, ...; of a ratio such as R/R0 1 where nothing says another"),
 )
 
 

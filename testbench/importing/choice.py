@@ -71,7 +71,8 @@ class Trouble:
     Attributes
     ----------
     kind : str
-        ``unit`` (it cannot be read), ``several`` (columns that fit alike), ``absent`` (nothing fits), ``r0``.
+        ``unit`` (it cannot be read), ``several`` (columns that fit alike), ``absent`` (nothing fits), ``r0``, or
+        ``r0_in_ohm`` where the change is in Ω.
     role : str
     columns : tuple of Column
     """

@@ -1,4 +1,4 @@
-"""Which column holds what: as a person said, else as the file says; what neither says is asked."""
+"""Which column holds what, and its unit: as a person said, else as the file says; what neither says is asked."""
 
 from __future__ import annotations
 
@@ -6,15 +6,26 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from gcode.support.errors import UserError
-from testbench.importing.by_name import prefer, searched
-from testbench.importing.by_unit import Kinds, take
-from testbench.importing.choice import ELECTRICAL, ITS_CELLS, NOT_THERE, Choice, Trouble
+from testbench.importing.choice import ELECTRICAL, ITS_CELLS, NAMED, NOT_THERE, UNIT_FLAGS, Choice, Taken, Trouble
 from testbench.importing.clocks import own_clocks
 from testbench.importing.layout import Column, Layout, column_of, count_numbers, width_of, words_in
-from testbench.importing.vocabulary.laboratory_units import unit_of, units_spelt
-from testbench.importing.vocabulary.notation import is_day, is_short_clock, is_time_of_day, is_when, unit_in
-from testbench.importing.vocabulary.roles import ROLES, STRETCH
+from testbench.importing.vocabulary.headings import unit_behind
+from testbench.importing.vocabulary.laboratory_units import Unit, given_unit, unit_of, units_spelt
+from testbench.importing.vocabulary.notation import (
+    WHOLE_CLOCKS,
+    is_day,
+    is_short_clock,
+    is_time_of_day,
+    is_when,
+    unit_in,
+)
+from testbench.importing.vocabulary.roles import ROLES, STRETCH, SYMBOL, is_generic, is_letter, role_beside_unit
 from testbench.importing.wish import Wish
+
+MISFIT = 10  # how much less plainly a column is what its name says where its unit is of something else
+DATE = "date"
+# Numbers of the columns most of whose cells are of a kind, with how many of them differ.
+Kinds = Mapping[Callable[[str], bool], Mapping[int, int]]
 
 
 def choose(layout: Layout, rows: Sequence[Sequence[str]], wish: Wish) -> Choice:
@@ -36,7 +47,7 @@ def choose(layout: Layout, rows: Sequence[Sequence[str]], wish: Wish) -> Choice:
     picked = {role: column_of(layout, text) for role, text in wish.columns.items() if text != NOT_THERE}
     choice = Choice()
     kinds: Kinds = {one: _columns_of(layout, rows, one) for one in (is_when, is_time_of_day, is_short_clock, is_day)}
-    found = searched(layout, wish, picked)
+    found = _searched(layout, wish, picked)
     times = found.get("time", [])
     if not times and "time" not in wish.columns and wish.rate_hz is None:
         found |= _dates_in(layout, kinds, picked)
@@ -46,12 +57,12 @@ def choose(layout: Layout, rows: Sequence[Sequence[str]], wish: Wish) -> Choice:
             picked[role] = columns[0]
         elif role != "time":
             choice.troubles.append(Trouble("several", role, tuple(columns)))
-    prefer(picked, choice, wish)
+    _prefer(picked, choice, wish)
     if len(times) > 1:
         clocks = _several_clocks(times, picked, choice, clocks)
     for role in ROLES:
         if role in picked:
-            take(choice, role, picked[role], clocks.get(role), wish, kinds)
+            _take(choice, role, picked[role], clocks.get(role), wish, kinds)
     for role, one in choice.taken.items():
         where, unit = units.get(one.column.number, (None, ""))
         if where and one.unit and unit_of(unit, (one.unit.quantity,)):
@@ -162,3 +173,121 @@ def _check_enough(choice: Choice, wish: Wish) -> None:
         choice.troubles.append(Trouble("absent", "time"))
     if not have & STRETCH and not ("force" in have and have & set(ELECTRICAL)):
         choice.troubles.append(Trouble("absent", "displacement"))
+
+
+def _searched(layout: Layout, wish: Wish, picked: Mapping[str, Column]) -> dict[str, list[Column]]:
+    """For each role that nobody spoke of, the columns that fit it best."""
+    taken = {id(column) for column in picked.values()}
+    taken |= {id(column_of(layout, text)) for text in wish.time_of.values()}
+    fitting: dict[str, list[tuple[int, Column]]] = {}
+    for column in layout.columns:
+        role, strength = _role(column)
+        if role and id(column) not in taken and _wanted(role, wish):
+            fitting.setdefault(role, []).append((strength, column))
+    best = {role: max(strength for strength, _ in columns) for role, columns in fitting.items()}
+    return {
+        role: [column for strength, column in columns if strength == best[role]] for role, columns in fitting.items()
+    }
+
+
+def _wanted(role: str, wish: Wish) -> bool:
+    """Whether to search for a role: nobody spoke of it, nor of another one that takes its place."""
+    if role == "time" and wish.rate_hz is not None:
+        return False
+    for group in (STRETCH, set(ELECTRICAL)):
+        if role in group and any(wish.columns.get(other, NOT_THERE) != NOT_THERE for other in group):
+            return False
+    return role not in wish.columns
+
+
+def _role(column: Column) -> tuple[str, int]:
+    """What a column is by its name and unit, and how plainly; an empty role where it cannot be told."""
+    unit = column.heading.unit(column.unit_text)
+    roles = dict(column.heading.roles)
+    named = role_beside_unit(column.heading.base, column.heading.whole)
+    if named and unit_of(column.unit_text, ROLES[named]):
+        return named, SYMBOL
+    if unit:
+        stretch = {"length": "displacement", "ratio": "strain"}.get(unit.quantity)
+        roles = {stretch if stretch and role in STRETCH else role: strength for role, strength in roles.items()}
+        roles = {role: strength for role, strength in roles.items() if unit.quantity in ROLES[role]}
+        if is_generic(column.heading.base):
+            role = next((role for role, quantities in ROLES.items() if quantities == (unit.quantity,)), "")
+            return (role if unit.quantity != "ratio" else ""), SYMBOL
+    roles = {role: strength for role, strength in roles.items() if strength == max(roles.values())}
+    if len(roles) != 1 or (column.heading.base in ("s", "T") and unit is None):
+        return "", 0  # s: a displacement or seconds, T: a temperature or a time; the letter alone does not say
+    role, strength = next(iter(roles.items()))
+    # A unit that does not suit the name (a force in mV) gives way to any column with one that does.
+    return role, strength if unit or not column.unit_text else strength - MISFIT
+
+
+def _prefer(picked: dict[str, Column], choice: Choice, wish: Wish) -> None:
+    """One of displacement and strain, one of resistance, conductance and R/R0: the first that says so plainly."""
+    unclear = {trouble.role: trouble.columns[0] for trouble in choice.troubles}
+    for group in (("displacement", "strain"), ELECTRICAL):
+        there = [role for role in group if role in picked or role in unclear]
+        plain = [role for role in there if role in wish.columns or _is_plain(picked.get(role) or unclear[role])]
+        for role in there:
+            if role != (plain or there)[0] and role not in wish.columns:
+                picked.pop(role, None)
+                choice.troubles = [trouble for trouble in choice.troubles if trouble.role != role]
+
+
+def _is_plain(column: Column) -> bool:
+    """Whether a column says what it is: by a word, a formula or its letter, not by a letter with a word behind it."""
+    _, strength = _role(column)
+    return strength > SYMBOL or (strength == SYMBOL and is_letter(column.heading.base))
+
+
+def _take(choice: Choice, role: str, column: Column, clock: Column | None, wish: Wish, kinds: Kinds) -> None:
+    """Settle the unit of a column."""
+    given = wish.units.get(role)
+    if role == "time" and column.number in kinds[is_short_clock]:
+        if short := _short(given, column, kinds[is_day]):
+            choice.taken[role] = Taken(role, column, None, "its times", short=short)
+            return
+        column = replace(column, unit_text=column.unit_text or "h:min or min:s")
+    if role == "time" and (given == DATE or (given is None and column.number in kinds[is_when])):
+        choice.taken[role] = Taken(role, column, None, "its dates")
+        return
+    unit, where = _unit_in_file(role, column), column.unit_from or NAMED
+    if given is not None:
+        from_file, unit, where = unit, given_unit(UNIT_FLAGS[role], given, ROLES[role]), UNIT_FLAGS[role]
+        if column.unit_text and from_file != unit:
+            choice.notes.append(
+                f"{role}: {column.label} says {column.unit_text}, {where} says {unit.symbol}: {unit.symbol} was taken"
+            )
+    elif role == "displacement" and unit is not None and unit.quantity == "ratio":
+        role = "strain"
+    if unit is None:
+        choice.troubles.append(Trouble("unit", role, (column,)))
+    choice.taken[role] = Taken(role, column, unit, where if unit else "", clock)
+    if role.startswith("relative") and wish.r0_ohm is None:
+        in_ohm = unit is not None and unit.quantity == "resistance"
+        choice.troubles.append(Trouble("r0_in_ohm" if in_ohm else "r0", role, (column,)))
+
+
+def _short(given: str | None, column: Column, days: Mapping[int, int]) -> str:
+    """What the first number of ``12:01`` counts: as is said, or hours beside days that go on; empty where neither."""
+    unit = unit_of(given, ("time",)) if given else column.heading.unit(column.unit_text)
+    if given == DATE or (unit is None and not given and max(days.values(), default=0) > 1):
+        return "h"
+    return unit.symbol if unit and unit.symbol in WHOLE_CLOCKS else ""
+
+
+def _unit_in_file(role: str, column: Column) -> Unit | None:
+    """The unit that the file says, if it is one of the role's (for a displacement, % as well)."""
+    if role.startswith("relative") and not column.unit_text and _is_plainly_one(role, column):
+        return next(unit for unit in units_spelt("1") if unit.quantity == "ratio")
+    quantities = ("length", "ratio") if role == "displacement" else ROLES[role]
+    if role.startswith("relative") and column.heading.says_ratio:
+        quantities = ("ratio",)
+    text = column.unit_text or unit_behind(column.heading.whole, quantities)
+    fitting = [unit for unit in units_spelt(text) if unit.quantity in quantities]
+    return fitting[0] if len(fitting) == 1 else None
+
+
+def _is_plainly_one(role: str, column: Column) -> bool:
+    """Whether a ratio without a unit can be nothing but one: a "change of the resistance" may as well be in %."""
+    return column.heading.says_ratio or role not in column.heading.roles or role == "relative"

@@ -15,7 +15,7 @@ from testbench.importing.layout import Column, shortened
 from testbench.importing.sheet import Sheet
 from testbench.importing.trouble_words import unit_unknown
 from testbench.importing.vocabulary.headings import read_heading
-from testbench.importing.vocabulary.laboratory_units import OURS, Unit, conversion, unit_of
+from testbench.importing.vocabulary.laboratory_units import OURS, Unit, conversion, plain_text, unit_of
 from testbench.importing.vocabulary.notation import (
     is_value,
     may_be_thousands,
@@ -154,7 +154,7 @@ def _check_one_table(sheet: Sheet, columns: Sequence[Column], frame: pd.DataFram
             speaking += text.isin([word for word in words if _is_another_name(word, column)]).to_numpy(dtype=bool)
     taken = frame[[column.number for column in columns]]
     filled = taken.notna().sum(axis=1).to_numpy()
-    if not sheet.parts_sentences:
+    if sheet.separator != " ":  # which parts the words of a remark, too
         full = np.flatnonzero((worded == len(columns)) & (speaking == 0))
         full = full[~taken.iloc[full].duplicated().to_numpy()]
         speaking[full[[_are_names(taken.iloc[row], columns) for row in full]]] = 1
@@ -170,12 +170,17 @@ def _check_one_table(sheet: Sheet, columns: Sequence[Column], frame: pd.DataFram
 def _are_names(cells: pd.Series, columns: Sequence[Column]) -> bool:
     """Whether words in every column are names, if only ones that say nothing to us: all differ, and from ours."""
     words = {str(cell).strip() for cell in cells}
-    return len(words) == len(columns) and not words & {column.heading.text for column in columns}
+    return len(words) == len(columns) and not any(_is_ours(word, column) for word in words for column in columns)
 
 
 def _is_another_name(text: str, column: Column) -> bool:
     heading = read_heading(text)
-    return text != column.heading.text and bool(heading.roles or heading.unit_text)
+    return not _is_ours(text, column) and bool(heading.roles or heading.unit_text)
+
+
+def _is_ours(text: str, column: Column) -> bool:
+    """Whether a text is the name or the unit of a column, once more."""
+    return plain_text(text) == plain_text(column.heading.text) or text.strip("[](){}<> ") == column.unit_text
 
 
 def previewed(sheet: Sheet, choice: Choice, thousands: str | None = None) -> dict[str, str]:

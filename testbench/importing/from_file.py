@@ -61,7 +61,7 @@ def look(path: Path, wish: Wish) -> tuple[Sheet, Choice]:
         If the file cannot be read, or a column or unit that `wish` names is not there.
     """
     sheet = open_sheet(path, wish.names(), wish.hints)
-    if shifted := misfit(sheet.head, sheet.layout, sheet.whole_names):
+    if shifted := misfit(sheet.head, sheet.layout, whole_names=sheet.separator == "\t"):
         raise UserError(
             f"{path}: {shifted}: which name belongs to which column cannot be told; mend the file, or say "
             "--header-row 0 and --units-row 0 and give columns by number"
@@ -98,6 +98,9 @@ def import_file(path: Path, wish: Wish) -> list[Imported]:
     read = read_columns(sheet, choice, wish.hints.thousands)
     if read.wrong and not wish.drop_bad:
         raise UserError(f"{path}: {read.wrong[0]}")
+    change = choice.taken.get("relative_change")
+    if change and change.unit and change.unit.quantity == "resistance":
+        read.values["relative_change"] /= float(wish.r0_ohm or np.nan)
     time_s = read.values["time"] if "time" in read.values else _at_rate(sheet, read, float(wish.rate_hz or 1.0))
     parts = _parts(sheet, choice, wish, read, time_s)
     labels = {role: choice.taken[role].column.label for role in choice.taken}
@@ -118,20 +121,6 @@ def _at_rate(sheet: Sheet, read: Read, rate_hz: float) -> np.ndarray:
     filled = ~sheet.blank(sheet.body([column.number for column in sheet.layout.columns]))
     sample = np.cumsum(filled)[read.rows - sheet.layout.first_row]
     return (sample - sample[0]) / rate_hz
-
-
-def import_csv(path: Path, wish: Wish) -> Imported:
-    """Read a foreign file that holds one recording.
-
-    Raises
-    ------
-    UserError
-        As `import_file`; or if the file holds several repeats.
-    """
-    done = import_file(path, wish)
-    if len(done) > 1:
-        raise UserError(f"{path}: holds {len(done)} repeats; say which one with --repeat N")
-    return done[0]
 
 
 def _parts(sheet: Sheet, choice: Choice, wish: Wish, read: Read, time_s: np.ndarray) -> list[tuple[str, np.ndarray]]:

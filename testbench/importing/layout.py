@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from statistics import mode
 
 from gcode.support.errors import UserError
-from testbench.importing.vocabulary.headings import Heading, power_of_ten, read_heading
+from testbench.importing.vocabulary.headings import COMMENT, Heading, power_of_ten, read_heading
 from testbench.importing.vocabulary.laboratory_units import units_spelt
 from testbench.importing.vocabulary.notation import MISSING, is_value, unit_in
 
@@ -312,7 +312,7 @@ def _cell(cells: Sequence[str], place: int) -> str:
 def column_named(number: int, name: str, below: str = "", units_row: int | None = None) -> Column:
     """A column by its name, and what the row of units has below it."""
     heading = read_heading(name)
-    bare = below.strip("[](){}<> ").strip()
+    bare = COMMENT.sub("", below).strip("[](){}<> ").strip()
     if not bare or (heading.unit(heading.unit_text) and bare == "-"):
         return Column(number, heading, heading.unit_text, "header" if heading.unit_text else "")
     if heading.power or power_of_ten(bare):

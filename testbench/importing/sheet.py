@@ -84,6 +84,8 @@ class Sheet:
         Its first `HEAD_ROWS` rows.
     layout : Layout
     decimal : str
+    separator : str
+        What parts the cells, names too; a tab, which nobody writes in one, where nothing does.
     details : dict
         How it was read; for the manifest and for people.
     """
@@ -92,21 +94,12 @@ class Sheet:
     head: Sequence[Sequence[str]]
     layout: Layout
     decimal: str
+    separator: str
     details: dict[str, Any]
 
     def body(self, numbers: Sequence[int]) -> pd.DataFrame:
         """Everything from the layout's first row on: the columns with these numbers (from 1), in any type."""
         raise NotImplementedError
-
-    @property
-    def parts_sentences(self) -> bool:
-        """Whether each word of a remark is a cell of its own, as where blanks part the cells."""
-        return False
-
-    @property
-    def whole_names(self) -> bool:
-        """Whether no name can have been parted by a sign in it, as a comma parts ``Load, cell 2``."""
-        return True
 
     def blank(self, frame: pd.DataFrame) -> np.ndarray:
         """Which rows of columns that `body` gave are empty, as booleans of shape (n,)."""

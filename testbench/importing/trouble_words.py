@@ -12,7 +12,7 @@ from testbench.importing.wish import Wish
 
 WORDS = {
     "relative": "relative resistance R/R0",
-    "relative_change": "relative change (R-R0)/R0",
+    "relative_change": "relative change (R-R0)/R0, or change R-R0",
 }
 
 
@@ -69,11 +69,10 @@ def _in_words(trouble: Trouble) -> str:
             number = trouble.columns[0].number
             said += f", or --relative-resistance {number} (R/R0) or --relative-change {number} ((R-R0)/R0)"
         return said
-    if trouble.kind == "r0":
-        return (
-            f"{role} ({columns}) needs the resistance at rest R0, which it is relative to: say --rest-ohm R0 in Ω "
-            "(1 where nobody knows it: the resistance is then in units of R0)"
-        )
+    if trouble.kind.startswith("r0"):
+        said = f"{role} ({columns}) needs the resistance at rest R0, which it is relative to: say --rest-ohm R0 in Ω"
+        unknown = " (1 where nobody knows it: the resistance is then in units of R0)"
+        return said + unknown if trouble.kind == "r0" else said
     if trouble.role == "time":
         return "no time found: say --time COL, or --rate-hz F where there is none"
     return (

@@ -38,7 +38,6 @@ from testbench.campaigns.datasets.spec import read_spec as read_dataset_spec
 from testbench.campaigns.datasets.tasks import tasks_of
 from testbench.campaigns.record import Job, begin, job_of, record
 from testbench.comparing.tables import ladder_table
-from testbench.importing.from_file import import_csv
 from testbench.importing.wish import Wish
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.recordings.files import read_recording
@@ -54,6 +53,7 @@ from tests.fuzz import grammars
 from tests.testbench.builders import record as record_of
 from tests.testbench.builders import truth
 from tests.testbench.importing import exports
+from tests.testbench.importing.exports import import_csv
 from tests.testbench.report.samples import diagnosis, score
 from tests.testbench.rig.rigs import plan, program, rig, triangle
 

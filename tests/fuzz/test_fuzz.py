@@ -22,7 +22,6 @@ from gcode.support.errors import UserError
 from gcode.trajectories.toml_spec import read_spec as read_trajectory_spec
 from gcode.trajectories.trajectory import read_csv as read_trajectory
 from testbench.campaigns.datasets.spec import read_spec as read_dataset_spec
-from testbench.importing.from_file import import_csv
 from testbench.importing.wish import Wish
 from testbench.recordings.files import read_recording
 from testbench.results.model_file import load_model_file
@@ -37,6 +36,7 @@ from tests.fuzz.targets import (
     samples,
     tables,
 )
+from tests.testbench.importing.exports import import_csv
 from tests.testbench.report.samples import diagnosis, score
 
 CORPUS = Path(__file__).parent / "corpus"

@@ -34,15 +34,13 @@ PER_CENT, THOUSANDS = "%", "thousands"
 class _Scaled(float):
     """A number as the sheet shows it, with the one that the cell holds and what the format makes of that."""
 
-    stored: float
-    shown_in: str
-
-    @classmethod
-    def of(cls, stored: float, shown: float, shown_in: str) -> _Scaled:
-        """The number `shown`, for which the cell holds `stored`."""
-        made = cls(shown)
+    def __new__(cls, stored: float, factor: float, shown_in: str) -> _Scaled:
+        made = super().__new__(cls, stored * factor)
         made.stored, made.shown_in = stored, shown_in
         return made
+
+    stored: float
+    shown_in: str
 
 
 @dataclass(frozen=True)
@@ -87,7 +85,7 @@ def open_excel(path: Path, wanted: Sequence[str], hints: Hints) -> ExcelSheet:
     body = rows[layout.first_row - 1 :]
     layout = replace(layout, columns=tuple(_as_meant(column, body) for column in layout.columns))
     decimal = hints.decimal_said or _decimal(path, body[:HEAD_ROWS])
-    return ExcelSheet(path, head, layout, decimal, {"sheet": name, "decimal": decimal}, rows)
+    return ExcelSheet(path, head, layout, decimal, "\t", {"sheet": name, "decimal": decimal}, rows)
 
 
 def _as_meant(column: Column, rows: Sequence[list[Any]]) -> Column:
@@ -130,14 +128,17 @@ def _sheets(sheets: dict[str, Any]) -> str:
 
 
 def _read(path: Path, wanted: str | None) -> dict[str, list[list[Any]]]:
-    import openpyxl
+    from openpyxl.reader.excel import ExcelReader
     from openpyxl.utils.exceptions import InvalidFileException
 
     check_unpacked(path)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of styles and extensions that are of no use here
-            book = openpyxl.load_workbook(path, read_only=True, data_only=True)
+            reader = ExcelReader(path, read_only=True, data_only=True)
+            reader.read_chartsheet = lambda *_: None  # which has no cells, and openpyxl fails where it is empty
+            reader.read()
+            book = reader.wb
     except (*BROKEN, InvalidFileException, ParseError, KeyError, TypeError, AttributeError) as error:
         raise UserError(f"{path}: not an Excel workbook that can be read ({error}); save it again as .xlsx") from None
     try:
@@ -178,7 +179,7 @@ def _value(cell: Any) -> Any:
     if not isinstance(cell.value, int | float) or isinstance(cell.value, bool):
         return cell.value
     factor, shown_in = _shown_by(str(cell.number_format or ""))
-    return _Scaled.of(cell.value, cell.value * factor, shown_in) if shown_in else cell.value
+    return _Scaled(cell.value, factor, shown_in) if shown_in else cell.value
 
 
 @lru_cache

@@ -12,10 +12,12 @@ from testbench.importing.vocabulary.notation import is_value
 
 _CELL = re.compile(r"""^[\s{]*["']?([^\W\d][^:="'{}]*?)["']?\s*[:=]\s*([^:={}]*?)[\s}]*$""")
 BETWEEN = {",": r"\s*,\s*", ";": r"\s*;\s*", "\t": r"\s*\t\s*", "|": r"\s*\|\s*", " ": r"\s+"}
-# Monitors of serial ports write when a line came, in brackets (Tera Term) or with an arrow behind it (Arduino);
-# boards (ESP-IDF) how grave it is, their ms or time in brackets, and which part of the program speaks.
-_CLOCK = r"(?:\d{4}-\d{2}-\d{2}[ T])?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?"
-_STAMPED = rf"(?m)^(?:\[?({_CLOCK})(?:\]| -?>)|[EWIDV] \((\d+|{_CLOCK})\) [^:\n]*:)[ \t]?"
+# Monitors of serial ports write when a line came, in brackets (Tera Term), with an arrow behind it (Arduino) or alone
+# (CoolTerm); boards (ESP-IDF, Zephyr) their ms or time in brackets, how grave it is, and which part of the program
+# speaks. Behind a clock alone stands a cell, and not what belongs to the clock.
+_CLOCK = r"(?:\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}[ T])?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?(?:,\d{3})?"
+_MARKED = rf"\[?({_CLOCK})(?:\](?: <\w+> [^:\n]*:)?| -?>)|[EWIDV] \((\d+|{_CLOCK})\) [^:\n]*:"
+_OF_CLOCK = r"[AaPp]\.?[Mm]\.?|[A-Z]{3,5}|Z|[+-]\d{2}:?\d{2}"
 _COLOURS = re.compile(r"\x1b\[[\d;?]*[A-Za-z]")  # of a terminal, which its log keeps
 # Of DOS, which some loggers still write below the last row; or what is left of the space that was set aside.
 _PADDING = re.compile(r"(?m)^[\0\x1a]+$")
@@ -27,9 +29,19 @@ def plain_lines(text: str, separator: str) -> str:
         text = _COLOURS.sub("", text)
     if "\0" in text or "\x1a" in text:
         text = _PADDING.sub("", text)
-    if ">" in text or "]" in text or ") " in text:
-        text = re.sub(rf"{_STAMPED}(?=.*{re.escape(separator)})", rf"\1\2{separator}", text)
+    if ":" in text or ") " in text:
+        sign = re.escape(separator)
+        cells = rf"""(?=[^\W\d]|["{{]|(?!.*[^\s{sign}] +[^\s{sign}]))"""  # in those of numbers, there are no blanks
+        alone = rf"({_CLOCK}) +(?! *(?:(?:{_OF_CLOCK}) *)*{sign}){cells}" if separator != " " else "(?!)()"
+        stamped = rf"(?m)^(?:(?:{_MARKED})[ \t]?|{alone})(?=.*{sign})"
+        text = re.sub(stamped, lambda found: _plain_clock(found[1] or found[2] or found[3]) + separator, text)
     return text
+
+
+def _plain_clock(stamp: str) -> str:
+    """A clock whose parts of a second stand behind one point: ``00:00:01.400,091`` is Zephyr's."""
+    whole, *parts = re.split("[.,]", stamp)
+    return ".".join([whole, "".join(parts)] if parts else [whole])
 
 
 @dataclass(frozen=True)

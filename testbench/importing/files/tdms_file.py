@@ -51,7 +51,7 @@ def open_tdms(path: Path, hints: Hints) -> TdmsSheet:
     layout = find_layout(head, (), 1, 2)
     if layout is None:
         raise UserError(f"{path}: no channel of it holds numbers")
-    return TdmsSheet(path, head, layout, ".", {"group": hints.sheet or ""}, columns)
+    return TdmsSheet(path, head, layout, ".", "\t", {"group": hints.sheet or ""}, columns)
 
 
 def _cell(column: np.ndarray, row: int) -> str:

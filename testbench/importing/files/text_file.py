@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence, Set
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from statistics import mode
 from typing import TYPE_CHECKING
@@ -45,6 +46,7 @@ MOST_BROKEN = 60  # lines of a row whose quoted cells have line breaks
 BETWEEN_NAMES = (re.compile(r"\s*[,;|\t]\s*"), re.compile(r"\t+| {2,}"))
 AFTER_A_UNIT = re.compile(r"(?<=[)\]])\s+")
 WORDS = re.compile(r'"[^"]*"|\S+')
+ROW_NAME = re.compile(r'"1"([,;\t ])[^"]')
 QUOTED = re.compile(r'"[^"\n]*"')
 # A spreadsheet leaves out the empty cells at the ends of rows in as many rows at once (Microsoft KB 77295).
 BLOCK_ROWS = 16
@@ -96,19 +98,8 @@ def _counts(lines: Sequence[str], separator: str) -> list[int]:
 class TextSheet(Sheet):
     """A text file."""
 
-    separator: str
     encoding: str
     named: NamedCells | None = None
-
-    @property
-    def parts_sentences(self) -> bool:
-        """Whether each word of a remark is a cell of its own."""
-        return self.separator == BLANKS
-
-    @property
-    def whole_names(self) -> bool:
-        """Whether no name can have been parted: nobody writes a tab in one."""
-        return self.separator == "\t"
 
     def blank(self, frame: pd.DataFrame) -> np.ndarray:
         """Which rows of columns that `body` gave are empty.
@@ -234,6 +225,7 @@ def open_text(path: Path, wanted: Sequence[str], hints: Hints) -> TextSheet:
         If the file is missing, empty or no text, has no numbers, or it cannot be told what its decimal sign is.
     """
     encoding, lines = _head(path, hints.encoding)
+    lines = _with_corner(lines)
     found, named = _layouts(lines, [hints.separator] if hints.separator else SEPARATORS, wanted, hints), None
     if not any(len(layout.columns) > 1 for _, _, layout in found):
         if named := named_cells(lines):
@@ -247,7 +239,17 @@ def open_text(path: Path, wanted: Sequence[str], hints: Hints) -> TextSheet:
     separator, rows, layout = max(found, key=lambda one: _worth(one[1], one[2], wanted))
     decimal = hints.decimal_said or _decimal(path, rows, layout, separator)
     details = {"separator": separator, "decimal": decimal, "encoding": encoding.removesuffix("-sig")}
-    return TextSheet(path, rows, layout, decimal, details, separator, encoding, named)
+    return TextSheet(path, rows, layout, decimal, separator, details, encoding, named)
+
+
+def _with_corner(lines: list[str]) -> list[str]:
+    """Lines with a name, if an empty one, above the names that R's ``write.table`` gives the rows."""
+    for at, (above, below) in enumerate(pairwise(lines)):
+        if above.startswith('"') and (named := ROW_NAME.match(below)):
+            names, cells = _counts([above, below], named[1])
+            if names + 1 == cells:
+                return [*lines[:at], f'""{named[1]}{above}', *lines[at + 1 :]]
+    return lines
 
 
 def _layouts(

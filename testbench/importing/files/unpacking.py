@@ -9,7 +9,7 @@ from __future__ import annotations
 import struct
 import zipfile
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from xml.parsers import expat
 
@@ -41,60 +41,44 @@ def check_unpacked(path: Path) -> None:
     UserError
         With the part and what is allowed, or if it is no workbook.
     """
+    bytes_left, elements_left = MOST_OTHER_BYTES, MOST_ELEMENTS
     try:
         with zipfile.ZipFile(path) as book:
-            budget = _Budget(path)
-            for part in book.infolist():
-                if part.filename.endswith((".xml", ".rels")):
-                    budget.take(book, part)
+            for part in book.namelist():
+                if not part.endswith((".xml", ".rels")):
+                    continue
+                sheet = part.startswith("xl/worksheets/") and part.endswith(".xml")
+                most = f"{MOST_SHEET_BYTES >> 20} MB" if sheet else f"{MOST_OTHER_BYTES >> 20} MB, sheets not counted"
+                counter = _Counter(MOST_SHEET_BYTES if sheet else bytes_left, elements_left)
+                counter.take(book, part)
+                if problem := counter.problem or f"more than {most}" * (counter.bytes_left < 0):
+                    raise UserError(f"{path}: {part} unpacks to {problem}; export the table as CSV")
+                elements_left = counter.elements_left
+                bytes_left = bytes_left if sheet else counter.bytes_left
     except UserError:
         raise
     except BROKEN as error:
         raise UserError(f"{path}: not an Excel workbook that can be read ({error}); save it again as .xlsx") from None
 
 
-class _Budget:
-    """What is left of each allowance."""
-
-    def __init__(self, path: Path) -> None:
-        self.path, self.bytes_left, self.elements_left = path, MOST_OTHER_BYTES, MOST_ELEMENTS
-
-    def take(self, book: zipfile.ZipFile, part: zipfile.ZipInfo) -> None:
-        """Unpack a part and count it off."""
-        sheet = part.filename.startswith("xl/worksheets/") and part.filename.endswith(".xml")
-        left = MOST_SHEET_BYTES if sheet else self.bytes_left
-        counter = _Counter(self.elements_left)
-        for block in _blocks(book, part):
-            left -= len(block)
-            counter.feed(block)
-            reason = f"more than {MOST_SHEET_BYTES >> 20} MB" if left < 0 and sheet else counter.problem
-            reason = reason or (f"more than {MOST_OTHER_BYTES >> 20} MB, sheets not counted" if left < 0 else "")
-            if reason:
-                raise UserError(f"{self.path}: {part.filename} unpacks to {reason}; export the table as CSV")
-        counter.feed(b"", last=True)
-        self.elements_left = counter.elements_left
-        if not sheet:
-            self.bytes_left = left
-
-
-def _blocks(book: zipfile.ZipFile, part: zipfile.ZipInfo) -> Iterator[bytes]:
-    with book.open(part) as stream:
-        while block := stream.read(_BLOCK):
-            yield block
-
-
 class _Counter:
     """Counts rows, what is in each, and what is outside rows."""
 
-    def __init__(self, elements_left: int) -> None:
-        self.elements_left, self.rows, self.in_row, self.depth, self.row_depth = elements_left, 0, 0, 0, 0
-        self.problem = ""
+    def __init__(self, bytes_left: int, elements_left: int) -> None:
+        self.bytes_left, self.elements_left, self.problem = bytes_left, elements_left, ""
+        self.rows, self.in_row, self.depth, self.row_depth = 0, 0, 0, 0
         self._parser = expat.ParserCreate()
         self._parser.StartElementHandler, self._parser.EndElementHandler = self._start, self._end
 
-    def feed(self, block: bytes, last: bool = False) -> None:
-        """Take the next bytes; what is wrong with them stands in `problem`."""
-        self._parser.Parse(block, last)
+    def take(self, book: zipfile.ZipFile, part: str) -> None:
+        """Unpack a part, until something is wrong with it: that stands in `problem`, or no bytes are left."""
+        with book.open(part) as stream:
+            while not self.problem and self.bytes_left >= 0:
+                block = stream.read(_BLOCK)
+                self.bytes_left -= len(block)
+                self._parser.Parse(block, not block)
+                if not block:
+                    return
 
     def _start(self, name: str, attributes: Mapping[str, str]) -> None:
         self.depth += 1

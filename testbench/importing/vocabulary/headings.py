@@ -3,29 +3,37 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from testbench.importing.vocabulary.laboratory_units import PREFIX, Unit, plain_text, unit_of, units_spelt
 from testbench.importing.vocabulary.relative import ratio_by_formula
-from testbench.importing.vocabulary.roles import ROLES, STRETCH, is_generic, roles_of
+from testbench.importing.vocabulary.roles import ROLES, STRETCH, is_generic, role_beside_unit, roles_of
 
-_BRACKET = re.compile(r"^(.*?)[\s_]*(?:\[([^\[\]]*)\]|\(([^()]*)\)|\{([^{}]*)\}|<([^<>]*)>)\s*$", re.S)
+_BRACKET = re.compile(
+    r"^(.*?)[\s_]*(?:\[([^\[\]]*)\]|\(([^()]*)\)|\{([^{}]*)\}|<([^<>]*)>)((?:\s+[\w#][^\[\](){}<>]*)?)\s*$", re.S
+)
 _TAIL = re.compile(
     rf"^(.*?)(?:\s*/\s*|\s+in\s+|[\s_]+per[\s_]+|\s*[,:;=.]\s*|_|\s+)((?:{PREFIX}[\s_]+)?[^\s/,:;=._]+\.?)$", re.S
 )
 _STROKE = re.compile(r"^([^/,]+?)\s*[/,]\s*([^\s/,\d][^\s,]*)$")
-_RATIOS = {role for role, quantities in ROLES.items() if quantities == ("ratio",)}
+_RATIOS = {role for role, quantities in ROLES.items() if "ratio" in quantities}
 LONGEST = 300  # characters of a cell that are looked at; no name of a column is longer
+_JOINED = re.compile(r"^(.*[^\W\d_A-Z])([A-Z]\w*)$")  # forceN, timeMs
 _PER_CENT = re.compile(r"^(.*?)\s*([%‰])$", re.S)
 _BEFORE = re.compile(r"^([%‰]|(?:per ?cent|prozent|pct)(?=[\s_]))[\s_]*(?:of\s+)?(?=\S)", re.I)  # % strain
 _MADE = re.compile(r"\.\.([^.]+)\.$")  # R makes Load..N. of Load (N), and MATLAB Load_N_
-_COMMENT = re.compile(r"^(?:#+|//+)\s*(?=\S)")
+COMMENT = re.compile(r"^(?:#+|//+)\s*(?=\S)")
 _HIGH = "[⁰¹²³⁴-⁹⁻]"
+_TIMES = "(?:kilo|mega|milli|mi[ck]ro|centi|tenths?|hundredths?|thousandths?|zehntel|hundertstel|tausendstel)"
 _POWERS = (  # whether the numbers are to be multiplied or were, nobody can tell
-    rf"(?<=\S)\s*(?:(?<![A-Za-z])x|[×*·÷])\s*(?:10+(?![\d.])(?:\^?[-+]?\d+|{_HIGH}+)?|0[.,]0*1\b)",  # x1000, *0.001
+    # x1000, *0.001, x1k
+    rf"(?<=\S)\s*(?:(?<![A-Za-z])x|[×*·÷])\s*(?:10+(?![\d.])(?:\^?[-+]?\d+|{_HIGH}+)?|1[kKM]\b|0[.,]0*1\b)",
     r"(?<=\S)\s*/\s*10{2,}\b",  # /1000
     rf"\b10(?:(?:\^|\*\*)\s*[-+−]?\d+|{_HIGH}+)",  # 10^3, 10**-3, 10³
-    r"\b\d+[eE][-+]?\d+\b",  # 1e3
+    r"\b(?:\d+[eE][-+]?|(?<!\d)[eE][-+])\d+\b",  # 1e3, E+3
+    rf"(?i:\b{_TIMES}\b)(?!\s+\w)",  # kilo (Ohm), but no kilo ohms
+    r"(?<=\s)[(\[]?[kM][)\]]?(?=\s*[(\[])|[(\[][kM][)\]](?=\s*\w)",  # k (Ohm), (k) Ohm
     r"(?:(?<=[\s/(\[{<])|^)10+(?=\s*[^\W\d]+[\])}>]*$)",  # 1000 before a unit at the end
     r"^10+\s*(?:x\b|[×*·])(?=\s*\S)",  # 100 x dR/R0
 )
@@ -67,12 +75,12 @@ class Heading:
     @property
     def quantities(self) -> tuple[str, ...]:
         """The quantities that a unit of this column may be of; every one where the name says nothing."""
-        roles = set(self.roles) | (STRETCH if STRETCH & set(self.roles) else set())
-        if not roles:
-            roles = set(ROLES) if is_generic(self.base) else set()
-        # A change of the resistance may be in Ω; then it is neither a resistance nor relative to one.
-        more = ("resistance",) if "relative_change" in roles else ()
-        return tuple(dict.fromkeys([*(quantity for role in roles for quantity in ROLES[role]), *more]))
+        roles = set(self.roles) or {role_beside_unit(self.base, self.whole)} - {""}
+        if not roles and is_generic(self.base):
+            roles = set(ROLES)
+        roles |= STRETCH if STRETCH & roles else set()
+        every = dict.fromkeys(quantity for role in roles for quantity in ROLES[role])
+        return ("ratio",) if self.says_ratio else tuple(every)
 
     def unit(self, unit_text: str) -> Unit | None:
         """The unit that `unit_text` means in a column of this name; None where it cannot be told."""
@@ -81,7 +89,7 @@ class Heading:
 
 def read_heading(text: str) -> Heading:
     """Part a header cell: ``Kraft [N]``, ``Weg / mm``, ``time_ms``, ``Load(Cell 1:Load) (N)``, ``# Zeit in s``."""
-    plain = _COMMENT.sub("", plain_text(text[:LONGEST]).strip("\"'").strip())
+    plain = COMMENT.sub("", plain_text(text[:LONGEST]).strip("\"'").strip())
     plain = _MADE.sub(r" (\1)", plain).rstrip("_").removesuffix("()")
     power = power_of_ten(plain)
     whole, unit_text = _unit_in_front(plain.replace(power, "", 1).strip() if power else plain)
@@ -113,9 +121,12 @@ def _parted(plain: str) -> tuple[str, str]:
     """The name and the unit's text."""
     bracket = _BRACKET.match(plain)
     if bracket and bracket[1].strip():
-        inside = next(part for part in bracket.groups()[1:] if part is not None).strip()
+        inside, behind = (part.strip() for part in bracket.groups()[1:] if part is not None)
         if bracket[1].rstrip().endswith("/"):
             return plain, f"/{inside}"  # [mm]/[mm], the lower half of a unit
+        if behind:  # Time (s) Run #1; but of two units, none can be told
+            whole, end = _tail(f"{bracket[1]} {behind}")
+            return (whole, f"{inside} {end}".strip()) if units_spelt(inside) else _tail(plain)
         if _may_be_a_unit(inside, bracket[1]):
             return bracket[1].strip(), inside
         return plain, _tail(bracket[1])[1]
@@ -136,9 +147,9 @@ def _tail(plain: str) -> tuple[str, str]:
 
     Behind another one (``strain_mm_mm``, ``Strain mm/mm``) it is the lower half of a unit.
     """
-    for name, end in () if ratio_by_formula(plain) else _ends(plain):
+    for name, *ends in () if ratio_by_formula(plain) else _ends(plain):
         quantities = read_heading(name).quantities if not is_generic(name) else ()
-        if unit_of(end, quantities) is not None:
+        if end := _one_unit(ends, quantities):
             before, above = _tail(name)
             return (before, f"{above}/{end}") if above and not above.isdigit() else (name, end)
     stroke = _STROKE.match(plain)
@@ -147,17 +158,30 @@ def _tail(plain: str) -> tuple[str, str]:
     return plain, ""
 
 
-def _ends(plain: str) -> list[tuple[str, str]]:
-    """A name, and what behind it may be its unit; a number behind a blank counts columns (``Strain 1``)."""
+def _ends(plain: str) -> list[tuple[str, ...]]:
+    """A name, and what behind it may be its unit; a number behind a blank counts columns (``Strain 1``).
+
+    A capital that does but part the unit from the name (``timeMs``) may be a small letter.
+    """
     found = [match for pattern in (_TAIL, _PER_CENT) if (match := pattern.match(plain))]
     ends = [one for one in found if not one[2].isdigit() or plain[one.end(1) : one.start(2)].strip("_. ")]
-    return [(one[1].strip(), one[2]) for one in ends if one[1].strip()]
+    parted: list[tuple[str, ...]] = [(one[1].strip(), one[2]) for one in ends if one[1].strip()]
+    joined = _JOINED.match(plain)
+    if joined and joined[2] != "In":  # of inputs
+        parted.append((joined[1], joined[2], joined[2][0].lower() + joined[2][1:] if joined[2][1:] else ""))
+    return parted
+
+
+def _one_unit(ends: Sequence[str], quantities: tuple[str, ...]) -> str:
+    """The end that is a unit of these quantities; empty where none is, or they are two different ones."""
+    units = {unit: end for end in ends if (unit := unit_of(end, quantities))}
+    return units.popitem()[1] if len(units) == 1 else ""
 
 
 def unit_behind(name: str, quantities: tuple[str, ...]) -> str:
-    """The unit of one of these quantities at the end of a name: ``ext_mm``; but not of ``(1/Ohm)`` or ``(0.1 N)``."""
-    ends = [(before, end) for before, end in _ends(name) if not re.search(r"[(\[{<][\d.,]+$", before)]
-    return next((end for _, end in ends if unit_of(end, quantities)), "")
+    """The unit of one of these quantities at the end of a name (``ext_mm``), but not in ``(tens of N)``."""
+    ends = [ends for before, *ends in _ends(name) if not re.search(r"[(\[{<][^)\]}>]*$", before)]
+    return next(filter(None, (_one_unit(one, quantities) for one in ends)), "")
 
 
 def _without_brackets(name: str) -> str:

@@ -27,6 +27,7 @@ _THOUSANDS = {
     ".": re.compile(rf"^[+-]?\d{{1,3}}((,\d{{3}})+|([{_APART}]\d{{3}})+)(\.\d*)?{_EXPONENT}$"),
     ",": re.compile(rf"^[+-]?\d{{1,3}}((\.\d{{3}})+|([{_APART}]\d{{3}})+)(,\d*)?{_EXPONENT}$"),
 }
+_BEHIND_SIGN = re.compile(r"(?<=^[+-])\s+(?=[\d.,])")  # +   0.5, as Graphtec aligns numbers
 _UNIT = re.compile(r"(?<=[\d.,])\s*([^\d\s.,:;+-][^\d:]*)$")  # behind a number: 7.8 %, 4.7kOhm
 _SEPARATORS = {".": rf"[,{_APART}]", ",": rf"[.{_APART}]"}
 # Dates and times in their plain form, see `_plain_when`.
@@ -59,14 +60,14 @@ MISSING |= {
 }
 
 
-def _with_hyphen(cell: str) -> str:
-    """A cell without blanks around it, and with the hyphen of programs for a printed minus."""
-    return cell.strip().replace("−", "-")
+def _plain_sign(cell: str) -> str:
+    """A cell without blanks around it and behind its sign, and with the hyphen of programs for a printed minus."""
+    return _BEHIND_SIGN.sub("", cell.strip().replace("−", "-"))
 
 
 def is_number(text: str) -> bool:
     """Whether a cell may be a number, in any of the notations."""
-    text = _with_hyphen(text)
+    text = _plain_sign(text)
     return bool(_POINT.match(text) or _COMMA.match(text)) or any(form.match(text) for form in _THOUSANDS.values())
 
 
@@ -130,7 +131,7 @@ def decimal_sign(cells: Iterable[str]) -> str | None:
     ``0,5`` and ``1.234,5`` prove the comma; ``1,234`` and ``1.234`` prove nothing: they may be a thousand and more.
     """
     proofs, open_to_doubt = set(), False
-    for cell in map(_with_hyphen, cells):
+    for cell in map(_plain_sign, cells):
         cell = cell.removesuffix(unit_in(cell)).rstrip()
         if "," not in cell and "." not in cell:
             continue
@@ -176,7 +177,7 @@ def numbers(
 
     if cells.dtype.kind in "fiu":
         return cells.to_numpy(dtype=np.float64), None
-    text = _texts(cells).str.replace("−", "-", regex=False)
+    text = _texts(cells).str.replace("−", "-", regex=False).str.replace(_BEHIND_SIGN, "", regex=True)
     grouped = text.str.match(_THOUSANDS[decimal].pattern, na=False)
     sign = re.escape(thousands) if thousands else _SEPARATORS[decimal]
     proven = thousands or (grouped & text.str.contains(re.escape(decimal), na=False)).any()

@@ -7,18 +7,20 @@ import re
 _REST = r"R_?(?:0|o|i|init|initial|rest|ref)"
 _NUMBER = r"(?:[_ #]?\d+)?$"  # of the sensor, behind the formula
 _BEFORE = r"(?:^|[\s_.:;#-])"  # what stands before it: the sensor's name
+_DELTA_R = r"(?:d|Δ|δ|delta)[ _]?R(?:es(?:istance)?)?"
 _CHANGES = (
-    re.compile(rf"{_BEFORE}(?:d|Δ|δ|delta)[ _]?R(?:es(?:istance)?)?[/_](?:{_REST}|R){_NUMBER}", re.I),
+    re.compile(rf"{_BEFORE}{_DELTA_R}[/_](?:{_REST}|R){_NUMBER}", re.I),
     re.compile(rf"{_BEFORE}R_?t?-{_REST}/{_REST}{_NUMBER}", re.I),
     re.compile(rf"{_BEFORE}R_?t?/{_REST}-1$", re.I),
 )
 _RATIO = re.compile(rf"{_BEFORE}R_?t?/{_REST}{_NUMBER}", re.I)
+_RATE = r"[ _]*[/_ ][ _]*[d∂Δδ]"  # dR/dt
+_CHANGE = re.compile(rf"{_BEFORE}(?:{_DELTA_R}(?![^\W\d_]|{_RATE})|R(?:_?t|\(t\))? ?- ?{_REST}{_NUMBER})", re.I)
 
 _RESISTANCE = frozenset(["r", "res", "resistance", "resistor"])
 _RESISTANCE_PARTS = ("widerstand", "电阻", "電阻", "抵抗", "저항")
-_CHANGE = frozenset(["change", "changes", "variation", "delta", "dr"])
-_DELTA_R = ("δr", "δ r", "δ_r")
-_CHANGE_PARTS = ("änderung", "aenderung", "变化", "變化", "変化", "변화", *_DELTA_R)
+CHANGE_WORDS = ("change", "changes", "variation", "delta", "δ")
+CHANGE_PARTS = ("änderung", "aenderung", "变化", "變化", "変化", "변화")
 _TO_REST = frozenset(["rel", "relative", "normalized", "normalised", "norm", "fractional"])
 _TO_REST_PARTS = ("relativ", "normiert", "相对", "相對", "相対", "상대", "归一", "歸一", "正規化", "정규화")
 
@@ -42,10 +44,10 @@ def ratio_by_words(name: str, words: list[str]) -> str:
         Its words, lower case.
     """
     text, have = name.casefold(), set(words)
-    change = bool(have & _CHANGE) or any(part in text for part in _CHANGE_PARTS)
-    about_it = have & (_RESISTANCE | {"dr"}) or any(part in text for part in (*_RESISTANCE_PARTS, *_DELTA_R))
-    if not about_it:
+    if _CHANGE.search(name):
+        return "relative_change"
+    if not have & _RESISTANCE and not any(part in text for part in _RESISTANCE_PARTS):
         return ""
-    if change:
+    if not have.isdisjoint(CHANGE_WORDS) or any(part in text for part in CHANGE_PARTS):
         return "relative_change"
     return "relative" if have & _TO_REST or any(part in text for part in _TO_REST_PARTS) else ""

@@ -9,12 +9,11 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterable
 
-from testbench.importing.vocabulary.relative import ratio_by_formula, ratio_by_words
+from testbench.importing.vocabulary.relative import CHANGE_PARTS, CHANGE_WORDS, ratio_by_formula, ratio_by_words
 
 # Roles a column can have, and the quantities its unit may be of. A displacement in % is a strain, a strain in mm a
-# displacement: there the unit decides.
+# displacement: there the unit decides. A change of the resistance may be in Ω, too: then it is R - R0.
 ROLES: dict[str, tuple[str, ...]] = {
     "time": ("time",),
     "displacement": ("length",),
@@ -23,7 +22,7 @@ ROLES: dict[str, tuple[str, ...]] = {
     "resistance": ("resistance",),
     "conductance": ("conductance",),
     "relative": ("ratio",),
-    "relative_change": ("ratio",),
+    "relative_change": ("ratio", "resistance"),
     "temperature": ("temperature",),
 }
 STRETCH = {"displacement", "strain"}
@@ -34,8 +33,10 @@ def _words(text: str) -> tuple[str, ...]:
 
 
 # Whole words, without accents: English, and other languages that part their words. Of those, none that is another
-# thing in English or German (course: of a knit, charge: a batch); such say something only beside a unit.
+# thing in English or German (course: of a knit, charge: a batch); such say something only beside a unit. So do
+# letters in capitals, as some programs write every name.
 _BESIDE_UNIT = {"course": "displacement", "charge": "force", "last": "force"}
+_BESIDE_UNIT |= dict.fromkeys(("X", "S", "U", "DL"), "displacement")
 _WHOLE = {
     "time": _words(
         "time elapsed timestamp timestamps epoch clock seconds runtime temps tempo tiempo tijd czas cas tid zaman "
@@ -53,7 +54,7 @@ _WHOLE = {
         "force load loadcell effort forza carico fuerza carga forca kracht sila kuvvet нагрузка усилие сила"
     ),
     "resistance": _words(
-        "resistance resistor resist res resistenza resistencia weerstand rezystancja opor odpor "
+        "resistance resistor resist res fres resistenza resistencia weerstand rezystancja opor odpor "
         "resistans motstand modstand direnc сопротивление"
     ),
     "conductance": _words("conductance conduttanza conductancia condutancia konduktancja"),
@@ -81,26 +82,36 @@ _SYMBOLS = {
     "conductance": _words("G"),
     "temperature": _words("T ϑ θ"),
 }
-# A column with such a word is about the quantity, not the quantity itself. Rates, set points, extremes, counters.
+# A column with such a word is about the quantity, not the quantity itself. Rates, set points, extremes, counters,
+# changes, powers.
 _ABOUT = _words(
     "rate speed velocity setpoint set command cmd commanded target demand reference planned max maximum min minimum "
     "peak break rupture yield std sd noise error limit digits count counter number index cycle cycles "
     "zyklus zyklen energy work stress modulus stiffness density adc shunt series ntc ptc rtd thermistor "
-    "log ln lg inverse reciprocal per cumulative accumulated offset tare "
+    "log ln lg inverse reciprocal per cumulative accumulated offset tare difference diff squared sqrt "
+    "err sigma uncertainty tolerance resolution residual gradient integral derivative "
     "vitesse velocita velocidad velocidade consigne contrainte maximale massimo massima maximo maxima snelheid "
     "predkosc maksymalna maksymalne zadana zadane naprezenie"
-)
-_ABOUT_PARTS = _words(
-    "geschwindigkeit soll zyklus bruch spannung maximal höchst "
+) + tuple(CHANGE_WORDS)
+_ABOUT_PARTS = CHANGE_PARTS + _words(
+    "^ ² ³ √ ** geschwindigkeit soll zyklus bruch spannung maximal höchst "
     "应力 速度 速率 循环 次数 最大 最小 设定 目标 编号 應力 循環 次數 設定 目標 編號 "
     "応力 回数 番号 サイクル 破断 降伏 응력 속도 최대 최소 설정 목표 번호 횟수 사이클 파단 항복"
 )
-# But the change rate of a resistance (电阻变化率) is its relative change, no change in time; the time has no rate
-# (``Time - default sample rate`` of catman is one); and a thermistor measures a temperature.
-_NONE_ABOUT = {"relative_change": "rate", "time": "rate cumulative offset", "temperature": "ntc ptc rtd thermistor"}
+# But the change rate of a resistance (电阻变化率) is its relative change, no change in time; a displacement is a
+# change, of a length; the time has no rate (``Time - default sample rate`` of catman is one); and a thermistor
+# measures a temperature.
+_CHANGE = {*CHANGE_WORDS, *CHANGE_PARTS}
+_NONE_ABOUT = {
+    "relative_change": {"rate", *_CHANGE},
+    "displacement": _CHANGE,
+    "strain": _CHANGE,
+    "time": {"rate", "cumulative", "offset"},
+    "temperature": {"ntc", "ptc", "rtd", "thermistor"},
+}
 # Of an index behind R: the resistance at rest, or another one of the circuit, and not the one that is measured.
 _NOT_MEASURED = _words("0 o ref init initial rest shunt series load known fixed pullup pulldown div divider")
-# A strain that is not the nominal one along the sensor: of the length at the time, or across.
+# A strain that is not the nominal one, on which every model here is built: of the length at the time, or across.
 _NOT_NOMINAL = _words("true log logarithmic hencky transverse lateral")
 _NOT_NOMINAL_PARTS = _words("quer wahre logarithm hencky 真 对数 對數 横 橫向 진변형 횡변형")
 _NOT_ALONE = _words("力矩 动力 動力 应力 應力 圧力 压力 壓力 入力 出力")
@@ -135,7 +146,7 @@ def _unaccented(text: str) -> str:
 
 
 def roles_of(base: str, whole: str) -> dict[str, int]:
-    """The roles that a name speaks of, with how plainly: `CERTAIN`, `LIKELY` or `SYMBOL`.
+    """The roles that a name may speak of, with how plainly: `CERTAIN`, `LIKELY` or `SYMBOL`.
 
     Parameters
     ----------
@@ -153,15 +164,15 @@ def roles_of(base: str, whole: str) -> dict[str, int]:
     found: dict[str, int] = {}
     for role in _WHOLE:
         strength = max(_by_word(role, base, whole), _by_symbol(role, base))
-        if strength and not speaks_about(whole, role) and not (role == "strain" and _is_not_nominal(whole)):
+        if strength and not speaks_about(whole, role):
             found[role] = strength
-    strongest = max(found.values(), default=0)
-    return {role: strength for role, strength in found.items() if strength == strongest}
+    return found
 
 
-def role_beside_unit(whole: str) -> str:
+def role_beside_unit(base: str, whole: str) -> str:
     """The role of a name that says one only where a unit of it stands beside; empty where there is none such."""
-    found = [_BESIDE_UNIT[word] for word in words_of(whole) if word in _BESIDE_UNIT]
+    words = [*words_of(whole), _letter_and_index(base)[0]]
+    found = [_BESIDE_UNIT[word] for word in words if word in _BESIDE_UNIT]
     return found[0] if found and not speaks_about(whole) else ""
 
 
@@ -200,16 +211,11 @@ def _letter_and_index(base: str) -> tuple[str, str]:
 
 def speaks_about(whole: str, role: str = "") -> bool:
     """Whether a name is of something derived: a rate, a set point, a maximum, a counter, a logarithm."""
-    return _has(whole, set(_ABOUT).difference(_words(_NONE_ABOUT.get(role, ""))), _ABOUT_PARTS)
-
-
-def _is_not_nominal(whole: str) -> bool:
-    """Whether a strain is another than the nominal one, on which every model here is built."""
-    return _has(whole, _NOT_NOMINAL, _NOT_NOMINAL_PARTS)
-
-
-def _has(name: str, words: Iterable[str], parts: Iterable[str]) -> bool:
-    return not set(words).isdisjoint(words_of(name)) or any(part in name.casefold() for part in parts)
+    words, parts, none_about = set(_ABOUT), set(_ABOUT_PARTS), _NONE_ABOUT.get(role, set())
+    if role == "strain":
+        words, parts = words.union(_NOT_NOMINAL), parts.union(_NOT_NOMINAL_PARTS)
+    has_word = not (words - none_about).isdisjoint(words_of(whole))
+    return has_word or any(part in whole.casefold() for part in parts - none_about)
 
 
 def is_generic(base: str) -> bool:

@@ -94,8 +94,9 @@ def still_to_say(choice: Choice, role: str) -> str:
         if one.kind == "several":
             own = "; where a channel has a clock of its own, see “Other quantities, and several clocks”"
             return f"{several(one.columns)} fit: choose one{own if role == 'time' else ''}"
-        if one.kind == "r0":
-            return f"fill in “{R0}”, the resistance it is relative to (1 where nobody knows it)"
+        if one.kind.startswith("r0"):
+            unknown = " (1 where nobody knows it)" if one.kind == "r0" else ""
+            return f"fill in “{R0}”, the resistance it is relative to{unknown}"
         return (
             "choose its column, or fill in “Sampling rate / Hz”"
             if role == "time"

@@ -8,11 +8,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from testbench.importing.from_file import import_file
+from testbench.importing.imported import Imported
+from testbench.importing.wish import Wish
+
 RATE_HZ, DURATION_S = 10.0, 60.0
 TIME_S = np.round(np.arange(0.0, DURATION_S, 1 / RATE_HZ), 6)
 EXTENSION_MM = np.round(6.0 * np.sin(2 * np.pi * TIME_S / 20.0) ** 2, 6)
 FORCE_N = np.round(0.2 + 1.1 * EXTENSION_MM + 0.02 * TIME_S / 60, 6)
 RESISTANCE_OHM = np.round(439_377.0 - 21_000.0 * EXTENSION_MM, 3)
+
+
+def import_csv(path: Path, wish: Wish) -> Imported:
+    """What is imported of a file that holds one recording."""
+    (done,) = import_file(path, wish)
+    return done
 
 
 @dataclass(frozen=True, eq=False)

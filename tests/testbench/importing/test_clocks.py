@@ -9,10 +9,11 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench.cli import main
-from testbench.importing.from_file import import_csv, import_file
+from testbench.importing.from_file import import_file
 from testbench.importing.wish import Wish
 from testbench.recordings.files import read_recording
 from tests.testbench.importing import exports
+from tests.testbench.importing.exports import import_csv
 
 
 def test_tdms_channels_keep_their_clocks(tmp_path):

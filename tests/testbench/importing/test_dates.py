@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from gcode.support.errors import UserError
-from testbench.importing.from_file import import_csv
 from testbench.importing.wish import Wish
+from tests.testbench.importing.exports import import_csv
 
 
 def table(folder, names, whens):

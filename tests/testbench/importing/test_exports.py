@@ -10,11 +10,12 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench.cli import main
-from testbench.importing.from_file import import_csv, import_file
+from testbench.importing.from_file import import_file
 from testbench.importing.sheet import Hints
 from testbench.importing.wish import Wish
 from testbench.recordings.files import read_recording
 from tests.testbench.importing import exports
+from tests.testbench.importing.exports import import_csv
 
 FOREIGN = Path(__file__).parents[3] / "../shared/data/foreign"
 REAL = Path(__file__).parents[3] / "../shared/data/real"

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from gcode.support.errors import UserError
-from testbench.importing.from_file import import_csv
 from testbench.importing.sheet import Hints
 from testbench.importing.vocabulary.headings import read_heading
 from testbench.importing.wish import Wish
+from tests.testbench.importing.exports import import_csv
 
 TIME_S = np.round(0.1 * np.arange(40), 1)
 ROWS = [f"{time_s},{0.5 * n % 7},{0.2 + 0.5 * n % 7:.1f}" for n, time_s in enumerate(TIME_S)]
@@ -150,6 +150,31 @@ def test_a_row_of_results_among_the_samples_is_said(tmp_path):
     assert doubt.startswith("between row 41 and row 43 there is no sample for 36.1 s of the 40 s")
     path = _lines(tmp_path / "lab.csv", HEADER, *ROWS)
     assert import_csv(path, Wish(40.0)).doubts == []
+
+
+@pytest.mark.parametrize("again", [[HEADER], ["\ufeff" + HEADER], ["Time,Extension,Load", "[s],[mm],[N]"]])
+def test_names_and_units_once_more_are_no_other_table(tmp_path, again):
+    """A row of the same units was said to be one of others, and so was a name behind the mark of a second file."""
+    path = _lines(tmp_path / "lab.csv", *again, *ROWS[:20], *again, *ROWS[20:])
+    with pytest.raises(UserError, match="--drop-bad leaves such rows out"):
+        import_csv(path, Wish(40.0))
+    done = import_csv(path, Wish(40.0, drop_bad=True))
+    assert (done.dropped, len(done.recording)) == (len(again), 40)
+    path = _lines(tmp_path / "lab.csv", *again, *ROWS[:20], "[s],[N],[mm]", *ROWS[20:])
+    with pytest.raises(UserError, match="another table begins there"):
+        import_csv(path, Wish(40.0, drop_bad=True))
+
+
+def test_a_row_of_units_may_be_a_comment(tmp_path):
+    path = _lines(tmp_path / "script.csv", "# Time, Extension, Load", "# s, mm, N", *ROWS)
+    assert import_csv(path, Wish(40.0)).recording["force_N"][1] == pytest.approx(0.7)
+
+
+def test_blanks_may_stand_behind_a_sign(tmp_path):
+    rows = [f"{time_s},+  {0.5 * n % 7},-   {0.2 + 0.5 * n % 7:.1f}" for n, time_s in enumerate(TIME_S)]
+    found = import_csv(_lines(tmp_path / "graphtec.csv", HEADER, *rows), Wish(40.0)).recording
+    assert found["displacement_mm"][1] == pytest.approx(0.5)
+    assert found["force_N"][1] == pytest.approx(-0.7)
 
 
 def test_a_zero_that_was_set_anew_is_said(tmp_path):

@@ -15,10 +15,10 @@ from gcode.support.errors import UserError
 from testbench.cli import main
 from testbench.importing.files import unpacking
 from testbench.importing.files.unpacking import check_unpacked
-from testbench.importing.from_file import import_csv
 from testbench.importing.wish import Wish
 from tests.fuzz.targets import no_hang
 from tests.testbench.importing import exports
+from tests.testbench.importing.exports import import_csv
 
 SHEET, STRINGS = "xl/worksheets/sheet1.xml", "xl/sharedStrings.xml"
 BLANK = b" " * (1 << 20)

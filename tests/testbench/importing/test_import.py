@@ -10,10 +10,10 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench import cli
-from testbench.importing.from_file import import_csv
 from testbench.importing.sheet import Hints
 from testbench.importing.wish import Wish
 from testbench.recordings.files import read_recording
+from tests.testbench.importing.exports import import_csv
 
 REAL = Path(__file__).parents[3] / "../shared/data/real"
 GOOD = "t,x,F,R\n0,0.0,0.1,1000\n0.1,0.5,0.2,900\n0.2,1.0,0.3,800\n"

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from gcode.support.errors import UserError
-from testbench.importing.from_file import import_csv
 from testbench.importing.wish import Wish
+from tests.testbench.importing.exports import import_csv
 
 COUNT = 60
 T = np.round(0.1 * np.arange(COUNT), 1)  # s

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from gcode.support.errors import UserError
-from testbench.importing.from_file import import_csv
 from testbench.importing.wish import Wish
+from tests.testbench.importing.exports import import_csv
 
 COUNT = 40
 T, X, F, R = (np.round(np.arange(COUNT) * step, 3) for step in (0.1, 0.25, 0.5, 40.0))
@@ -44,6 +44,8 @@ def _rows(form, *columns):
         "I ({}) knit.rig: t_s:{};x_mm:{};F_N:{};",
         '[10:00:00.{:.3}] {{"t_s": {}, "x_mm": {}, "F_N": {}}},',
         "10:00:00.{:.3} -> t_s:{},x_mm:{},F_N:{}",
+        "2026-03-01 10:00:00.{:.3} t_s:{},x_mm:{},F_N:{}",
+        "[00:00:00.{:.3},091] <inf> main: t_s: {}, x_mm: {}, F_N: {}",
     ],
 )
 def test_named_cells_behind_what_a_board_or_a_monitor_writes_before_each_line(tmp_path, form):
@@ -61,6 +63,39 @@ def test_the_ms_of_a_board_are_a_column_that_may_be_said_to_be_the_time(tmp_path
     with pytest.raises(UserError, match="no time found: say --time COL"):
         _check(tmp_path / "esp.log", rows)
     _check(tmp_path / "esp.log", rows, Wish(40.0, {"time": "1"}, {"time": "ms"}))
+
+
+@pytest.mark.parametrize("form", ["10:00:0{}.{}00 {},{}", "2026-03-01 10:00:0{},{}00  {}, {}"])
+def test_a_clock_alone_before_a_blank_is_a_stamp(tmp_path, form):
+    rows = _rows(form, *np.divmod(np.arange(COUNT), 10), X, F)
+    _check(tmp_path / "coolterm.txt", [form.format(0, 0, "x_mm", "F_N"), *rows])
+
+
+def test_the_time_of_the_log_of_zephyr(tmp_path):
+    rows = _rows("[00:00:0{}.{}00,091] <inf> rig: {},{}", *np.divmod(np.arange(COUNT), 10), X, F)
+    _check(tmp_path / "zephyr.txt", ["*** Booting Zephyr OS ***", "[00:00:00.000,000] <inf> rig: x_mm,F_N", *rows])
+
+
+@pytest.mark.parametrize("clock", ["10:00:0{}.{}00", "10:00:0{}.{}00 AM", "2026-03-01 10:00:0{}.{}00 +01:00"])
+@pytest.mark.parametrize("separator", [",", ";", " ; ", "\t"])
+def test_a_clock_that_is_a_cell_is_no_stamp(tmp_path, clock, separator):
+    rows = _rows(f"{clock}{separator}{{}}{separator}{{}}", *np.divmod(np.arange(COUNT), 10), X, F)
+    _check(tmp_path / "lab.txt", [separator.join(["Clock", "x_mm", "F_N"]), *rows])
+
+
+def test_blanks_may_part_clocks_and_decimal_commas(tmp_path):
+    cells = [[str(cell).replace(".", ",") for cell in cells] for cells in (X, F)]
+    rows = _rows("10:00:0{}.{}00 {} {}", *np.divmod(np.arange(COUNT), 10), *cells)
+    _check(tmp_path / "lab.txt", ["Time x_mm F_N", *rows])
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t", " "])
+def test_the_names_of_rows_have_none_in_a_table_of_r(tmp_path, separator):
+    names = [f'"{name}"' for name in ("t_s", "x_mm", "F_N")]
+    rows = [separator.join([f'"{at}"', *map(str, row)]) for at, row in enumerate(zip(T, X, F, strict=True), 1)]
+    _check(tmp_path / "lab.txt", [separator.join(names), *rows])
+    with pytest.raises(UserError, match="row 1 has 3 names, the rows of numbers below it 4 columns"):
+        _check(tmp_path / "lab.txt", [separator.join(names), *(row.replace('"', "") for row in rows)])
 
 
 def test_stamps_are_the_time_where_nothing_else_is(tmp_path):

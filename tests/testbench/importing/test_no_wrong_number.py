@@ -10,8 +10,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from gcode.support.errors import UserError
-from testbench.importing.from_file import import_csv
 from testbench.importing.wish import Wish
+from tests.testbench.importing.exports import import_csv
 from tests.testbench.importing.layouts import ROWS, TRUE
 
 ROLES = ("time", "displacement", "force")

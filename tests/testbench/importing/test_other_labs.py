@@ -11,9 +11,10 @@ import pytest
 from gcode.support.errors import UserError
 from testbench.cli import main
 from testbench.importing.files.encodings import encoding_of
-from testbench.importing.from_file import import_csv, import_file
+from testbench.importing.from_file import import_file
 from testbench.importing.sheet import Hints
 from testbench.importing.wish import Wish
+from tests.testbench.importing.exports import import_csv
 
 COUNT = 40
 T, X, F, R = (np.round(np.arange(COUNT) * step, 3) for step in (0.1, 0.25, 0.5, 40.0))

@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 
 from gcode.support.errors import UserError
 from testbench.cli import main
-from testbench.importing.from_file import import_csv, look
+from testbench.importing.from_file import look
 from testbench.importing.vocabulary.headings import read_heading
 from testbench.importing.wish import Wish
+from tests.testbench.importing.exports import import_csv
 
 FORMULAS = [
     "dR/R0", "ΔR/R0", "∆R/R0", "ΔR / R₀", "ΔR/R", "delta R/R0", "deltaR/R0", "(R-R0)/R0", "(R − R_0)/R_0",
@@ -35,11 +36,11 @@ UNITS = {"1": 1.0, "-": 1.0, "%": 1e-2, "percent": 1e-2, "‰": 1e-3}
 FORMS = ["{name} ({unit})", "{name} [{unit}]", "{name} / {unit}", "{name}, {unit}", "{name} in {unit}"]
 OTHERS = [
     "Max resistance change (%)",
-    "dR (ohm)",
-    "Resistance change (Ω)",
-    "resistance_change_kohm",
+    "dR/dt (ohm/s)",
     "Strain change (%)",
 ]
+IN_OHM = [("dR (ohm)", 1.0), ("Resistance change (Ω)", 1.0), ("resistance_change_kohm", 1e3), ("ΔR [kΩ]", 1e3)]
+IN_OHM += [("R - R0 (Ohm)", 1.0), ("Sensor 1 Delta R / Ohm", 1.0), ("Widerstandsänderung in kOhm", 1e3)]
 REST_OHM, CHANGE = 4700.0, np.linspace(0.01, 0.41, 9)
 
 
@@ -90,10 +91,31 @@ def test_a_change_in_words_may_be_in_percent(tmp_path: Path, name: str) -> None:
 
 
 @pytest.mark.parametrize("head", OTHERS)
-def test_a_change_in_ohm_an_extreme_or_another_quantity_is_neither(tmp_path: Path, head: str) -> None:
+def test_an_extreme_a_rate_or_another_quantity_is_neither(tmp_path: Path, head: str) -> None:
     _, choice = look(written(str(tmp_path), head, CHANGE), Wish(40.0, r0_ohm=REST_OHM))
     assert set(choice.taken) == {"time", "displacement"}
     assert choice.troubles == []
+
+
+@pytest.mark.parametrize(("head", "factor"), IN_OHM)
+def test_a_change_in_ohm_is_added_to_the_resistance_at_rest(tmp_path: Path, head: str, factor: float) -> None:
+    path = written(str(tmp_path), head, CHANGE)
+    with pytest.raises(UserError, match=r"needs the resistance at rest R0, .* say --rest-ohm R0 in Ω$"):
+        import_csv(path, Wish(40.0))
+    found = import_csv(path, Wish(40.0, r0_ohm=REST_OHM)).recording
+    assert found["resistance_ohm"] == pytest.approx(REST_OHM + factor * CHANGE, rel=1e-9)
+
+
+def test_a_ratio_by_its_formula_is_none_in_ohm(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="its unit 'Ohm' cannot be read as one"):
+        import_csv(written(str(tmp_path), "dR/R0 [Ohm]", CHANGE), Wish(40.0, r0_ohm=REST_OHM))
+
+
+def test_a_unit_that_was_said_does_not_make_the_resistance_at_rest_known(tmp_path: Path) -> None:
+    """The column was said to be empty."""
+    for unit, end in (("%", r"units of R0\)"), ("ohm", "R0 in Ω")):
+        with pytest.raises(UserError, match=f"say --rest-ohm .*{end}$"):
+            import_csv(written(str(tmp_path), "Resistance change", CHANGE), Wish(units={"relative_change": unit}))
 
 
 @pytest.mark.parametrize("head", ["Resistance", "R", "Widerstand", "res"])

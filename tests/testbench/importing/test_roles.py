@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from gcode.support.errors import UserError
-from testbench.importing.from_file import import_csv
 from testbench.importing.sheet import Hints
 from testbench.importing.wish import Wish
+from tests.testbench.importing.exports import import_csv
 
 
 def table(folder, *names):
@@ -45,6 +45,8 @@ def test_the_measured_resistance_is_taken_before_what_is_made_of_it(tmp_path, na
 
 DERIVED = ["Log resistance (Ohm)", "Log10 R [Ohm]", "ln(R) [Ohm]", "1/Resistance (1/Ohm)", "NTC resistance (Ohm)"]
 DERIVED += ["Force per wale [N]", "Force offset [N]", "Inverse resistance [Ohm]"]
+DERIVED += ["Force^2 [N]", "Force² [N]", "Delta force (N)", "Kraftänderung [N]", "F_err (N)"]
+DERIVED += ["Resistance tolerance (Ohm)"]
 
 
 @pytest.mark.parametrize("name", DERIVED)
@@ -58,7 +60,28 @@ def test_what_was_made_of_a_quantity_is_not_the_quantity(tmp_path, name):
     assert set(import_csv(path, Wish(40.0)).recording.channels) == {"displacement_mm"}
 
 
-@pytest.mark.parametrize("name", ["Load (0.1 N)", "Load (0,01 N)", "Load (5 N)", "Load cell (50 N)"])
+def test_the_unit_tells_of_what_a_name_may_be_what_it_is(tmp_path):
+    """It was asked for a temperature in Ω; a second resistance was not seen beside it."""
+    recording = import_csv(table(tmp_path, "R_temp_comp [Ohm]", "t_force [N]"), Wish(40.0)).recording
+    assert recording["resistance_ohm"].tolist() == [100, 101, 102, 103]
+    assert recording["force_N"].tolist() == [200, 201, 202, 203]
+    with pytest.raises(UserError, match=r"column 3 'R_raw .* and column 4 'R_temp_comp .* both fit resistance"):
+        import_csv(table(tmp_path, "R_raw [Ohm]", "R_temp_comp [Ohm]"), Wish(40.0))
+
+
+@pytest.mark.parametrize(
+    "names", ["T_S,X_MM,F_N", "timeS,posMm,forceN", "Time (s) Run #1,Position (mm) Run #1,F (N) 1"]
+)
+def test_units_behind_names_of_programs(tmp_path, names):
+    (tmp_path / "lab.csv").write_text("\n".join([names, *(f"0.{n},{2 * n},{3 * n}" for n in range(9))]))
+    recording = import_csv(tmp_path / "lab.csv", Wish(40.0)).recording
+    assert recording["displacement_mm"].tolist() == [2 * n for n in range(9)]
+    assert recording["force_N"].tolist() == [3 * n for n in range(9)]
+
+
+@pytest.mark.parametrize(
+    "name", ["Load (0.1 N)", "Load (0,01 N)", "Load (tens of N)", "Load (milli N)", "Load (5 N)", "Load cell (50 N)"]
+)
 def test_a_unit_behind_a_number_in_brackets_is_none(tmp_path, name):
     """Tenths of a newton were read as newtons."""
     with pytest.raises(UserError, match=r"force .*does not say its unit|its unit"):

@@ -6,8 +6,8 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench.importing.files import text_file
-from testbench.importing.from_file import import_csv
 from testbench.importing.wish import Wish
+from tests.testbench.importing.exports import import_csv
 
 
 def written(folder, text):

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from gcode.support.errors import UserError
-from testbench.importing.from_file import import_csv
 from testbench.importing.sheet import Hints
 from testbench.importing.wish import Wish
+from tests.testbench.importing.exports import import_csv
 
 ENGLISH = ["Time (s);Extension (mm);Load (N)"]
 GERMAN = ["Prüfzeit;Standardweg;Standardkraft", "s;mm;N"]

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from gcode.support.errors import UserError
-from testbench.importing.from_file import import_csv
 from testbench.importing.sheet import Hints
 from testbench.importing.wish import Wish
 from tests.testbench.importing import exports
+from tests.testbench.importing.exports import import_csv
 
 
 def test_excel_is_read_as_it_is_shown(tmp_path):
@@ -118,6 +118,16 @@ def test_of_several_tables_in_a_workbook_one_must_be_named(tmp_path):
     exports.check_same(import_csv(tmp_path / "two.xlsx", Wish(40.0, hints=Hints(sheet="Data"))).recording)
     with pytest.raises(UserError, match="no sheet 'Dat'; it has Remarks, Data, Again"):
         import_csv(tmp_path / "two.xlsx", Wish(40.0, hints=Hints(sheet="Dat")))
+
+
+def test_a_chart_sheet_is_passed_over(tmp_path):
+    """One without a chart yet was said to be no workbook."""
+    import openpyxl
+
+    book = openpyxl.load_workbook(exports.workbook(tmp_path))
+    book.create_chartsheet("Chart", 0)
+    book.save(tmp_path / "lab.xlsx")
+    exports.check_same(import_csv(tmp_path / "lab.xlsx", Wish(40.0)).recording)
 
 
 @pytest.mark.parametrize("name", ["lab.xlsx", "lab.tdms", "lab.xls"])
