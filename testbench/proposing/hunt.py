@@ -16,8 +16,7 @@ from testbench.fitting.evidence.laplace import fitted
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.knit.rules import check
-from testbench.proposing.bases import best_base, stiff_start
-from testbench.proposing.beam import Beam, Found
+from testbench.proposing.beam import Beam, diverse
 from testbench.proposing.grids import Grid, rounded
 from testbench.proposing.laws.law import Law
 from testbench.proposing.laws_found import Option, Step, numbered
@@ -133,7 +132,8 @@ class Hunt:
         """The best laws beside a base, refitted with it, quickly."""
         beam = Beam(null.projector, self.grid_for(null.base), self.tell, self.pool)
         found = beam.run()
-        chosen = finalists([one for one in found if one.gain > LEAST_GAIN / 2])
+        promising = [one for one in found if one.gain > LEAST_GAIN / 2]
+        chosen = diverse(promising, FINALISTS, OF_ONE_FAMILY, OF_ONE_PLACE)
         return self.pool.map(lambda one: self.refitted(one.law, null, name), chosen)
 
     def refitted(self, law: Law, null: ProjectedBase, name: str) -> Trial:
@@ -186,17 +186,23 @@ class Hunt:
         return z, without - np.median(without), m.residual(model)[channel][rows]
 
 
-def finalists(found: Sequence[Found]) -> list[Found]:
-    """The best, few of one place and family: first order cannot tell them, and some are artefacts of it."""
-    kept: list[Found] = []
-    for one in found:
-        same = [k for k in kept if k.law.place == one.law.place]
-        alike = [k for k in same if k.law.family == one.law.family]
-        if len(same) < OF_ONE_PLACE and len(alike) < OF_ONE_FAMILY:
-            kept.append(one)
-        if len(kept) == FINALISTS:
-            break
-    return kept
+def best_base(search: Search) -> Hypothesis:
+    """The base whose laws were exchanged one by one for others of the catalogue while the evidence rose.
+
+    A curve or a friction of the wrong kind leaves more than its shapes can mend, and what it leaves looks like a law
+    that is missing. The diagnosis chooses its base in the same way. What is tied with the usual base stays out.
+    """
+    search.tell("choosing the laws of the base")
+    bent, _ = search.bases()
+    chosen = fitted(bent[0].model, search.likelihood, search.reference, bent[0])
+    return chosen if chosen.log_z > search.flexible.log_z + TIED_NATS else search.flexible
+
+
+def stiff_start(search: Search, base: Hypothesis) -> KnitModel:
+    """The laws of a base where they lie without their shapes: a fit that shall not begin bent begins there."""
+    if base is search.flexible:
+        return search.start
+    return fitted(without_shapes(base.model), search.likelihood, search.reference).model
 
 
 def _best_of_each(trials: Sequence[Trial]) -> list[Trial]:
