@@ -204,11 +204,16 @@ class Beam:
 
 
 def diverse(found: Sequence[Found], most: int, of_one_family: int, of_one_place: int = WIDTH) -> list[Found]:
-    """The first of these laws, few of one family and place: some are artefacts of the first order."""
+    """The first of these laws, few of one family and place: some are artefacts of the first order.
+
+    A law that is a better one with one more piece, and no more numbers, is left out: the piece does harm.
+    """
     kept: list[Found] = []
     for one in found:
         same = [k.law for k in kept if k.law.place == one.law.place]
-        if len(same) < of_one_place and sum(law.family == one.law.family for law in same) < of_one_family:
+        alike = [law.term for law in same if law.family == one.law.family]
+        idle = any(one.law.term.extends(term) and one.law.term.slots == term.slots for term in alike)
+        if len(same) < of_one_place and len(alike) < of_one_family and not idle:
             kept.append(one)
     return kept[:most]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -30,23 +30,6 @@ NOTHING_LEFT = 0.3  # squared noise floors above the noise, all channels: the fl
 LEAST_GAIN = 10.0  # nats: about ln of the number of laws that are tried
 LEAST_SHARE = 0.1  # of the squared error above the noise that a law takes off
 FINALISTS, OF_ONE_PLACE, OF_ONE_FAMILY, SETTLED = 5, 3, 2, 2
-
-
-@dataclass(frozen=True, eq=False)
-class ProjectedBase:
-    """A model without the law that is sought, and laws to first order beside it.
-
-    Attributes
-    ----------
-    hypothesis : Hypothesis
-        Fitted; it may still hold an earlier guess at the law.
-    base : KnitModel
-        The same without that guess. It is not fitted anew: the base would bend to take the law in again.
-    """
-
-    hypothesis: Hypothesis
-    base: KnitModel
-    projector: Projector
 
 
 class Hunt:
@@ -123,32 +106,34 @@ class Hunt:
         stiff = fitted(without_shapes(h.model), self.likelihood, self.search.reference, h)
         return fitted(self.search.bent(stiff.model), self.likelihood, self.search.reference, stiff, iterations=0)
 
-    def projected(self, h: Hypothesis, without: str = "") -> ProjectedBase:
-        """Where laws are sought: beside a fitted model, or beside it without one of its effects."""
-        base = h.model.without(without) if without else h.model
-        return ProjectedBase(h, base, Projector(h, self.likelihood, OpenChain(base, self.measurement)))
+    def projected(self, h: Hypothesis, without: str = "") -> Projector:
+        """Where laws are sought: beside a fitted model, or beside it without an earlier guess at the law.
 
-    def look(self, null: ProjectedBase, name: str) -> list[Trial]:
+        Without it the model is not fitted anew: it would bend to take the law in again.
+        """
+        base = h.model.without(without) if without else h.model
+        return Projector(h, self.likelihood, OpenChain(base, self.measurement))
+
+    def look(self, null: Projector, name: str) -> list[Trial]:
         """The best laws beside a base, refitted with it, quickly."""
-        beam = Beam(null.projector, self.grid_for(null.base), self.tell, self.pool)
+        beam = Beam(null, self.grid_for(null.chain.model), self.tell, self.pool)
         found = beam.run()
         promising = [one for one in found if one.gain > LEAST_GAIN / 2]
         chosen = diverse(promising, FINALISTS, OF_ONE_FAMILY, OF_ONE_PLACE)
         return self.pool.map(lambda one: self.refitted(one.law, null, name), chosen)
 
-    def refitted(self, law: Law, null: ProjectedBase, name: str) -> Trial:
+    def refitted(self, law: Law, null: Projector, name: str) -> Trial:
         """A law refitted with its base, quickly."""
         self.tell(f"refitting with {law.key}")
-        prior_sd = null.projector.law_prior_sd(law)
-        return self.fitter.tried(law, name, null.hypothesis, prior_sd, null.base)
+        return self.fitter.tried(law, name, null.hypothesis, null.law_prior_sd(law), null.chain.model)
 
-    def simpler(self, trial: Trial, null: ProjectedBase) -> Trial:
+    def simpler(self, trial: Trial, null: Projector) -> Trial:
         """A law without those of its pieces that the evidence does not ask for."""
         best = trial
         for at in reversed(range(len(trial.law.term.operators))):
-            less, scores = best.law.without(at), null.projector
-            score = scores.of_law(less)
-            if score.gain > scores.of_law(best.law).gain - LEAST_GAIN:
+            less = best.law.without(at)
+            score = null.of_law(less)
+            if score.gain > null.of_law(best.law).gain - LEAST_GAIN:
                 quick = self.refitted(replace(less, strength=score.strength), null, trial.name)
                 best = max(best, self.fitter.settled(quick), key=evidence_of)
         return best

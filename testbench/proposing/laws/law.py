@@ -80,6 +80,11 @@ class Term:
         sizes = self.sizes[:at] + self.sizes[at + 1 :]
         return replace(self, operators=self.operators[:at] + self.operators[at + 1 :], sizes=sizes)
 
+    def extends(self, other: Term) -> bool:
+        """Whether it is another term with operators put in."""
+        own = iter(self.operators)
+        return self.coordinate == other.coordinate and all(one in own for one in other.operators)
+
     def units(self) -> Iterator[tuple[Unit, Operator | None]]:
         """The unit of the input of each operator, and last, with None, the unit of z."""
         unit = self.coordinate.unit

@@ -137,6 +137,13 @@ def test_bends_of_one_law_do_not_crowd_out_another_memory():
     assert len([one for one in kept if not one.law.term.memory]) == 2
 
 
+def test_a_piece_that_does_harm_and_has_no_number_takes_no_place():
+    better, idle = (law_of("force", "strain", "lag", "times strain", *more) for more in ((), ("size",)))
+    bent, other = law_of("force", "strain", "lag", "threshold", "times strain"), law_of("force", "strain", "slip")
+    found = [Found(law, 9.0 - k) for k, law in enumerate([better, idle, bent, other])]
+    assert [one.law for one in diverse(found, 14, 2)] == [better, bent, other]  # what has a number may yet be better
+
+
 def test_a_channel_at_its_noise_does_not_hide_what_a_law_does_to_the_other():
     rng = np.random.default_rng(0)
     count, misfit, noise = 400, rng.standard_normal(400), rng.standard_normal(400)
