@@ -98,6 +98,17 @@ def relay(x: FloatArray, on_above: float, off_below: float) -> FloatArray:
     return out
 
 
+@njit("float64[:](float64[:], float64, float64)", cache=True, nogil=True)
+def no_quicker(x: FloatArray, most_per_s: float, dt_s: float) -> FloatArray:
+    """`x` as it is shown by what moves by so much in a second at most: a slew rate."""
+    out = np.empty_like(x)
+    shown, most = x[0], most_per_s * dt_s
+    for i in range(len(x)):
+        shown += min(max(x[i] - shown, -most), most)
+        out[i] = shown
+    return out
+
+
 @njit("float64[:](float64[:], float64)", cache=True, nogil=True)
 def held(x: FloatArray, width: float) -> FloatArray:
     """A reading with a dead band: it stays until `x` is farther from it than `width`.

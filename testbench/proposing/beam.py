@@ -51,11 +51,11 @@ class Beam:
         self.tell("seeds: every coordinate with every memory")
         found = self.best_of_each(self.scored(self.seeds()))
         for level in range(LEVELS):
-            chosen = self.polished(self.diverse(found))
+            chosen = self.polished(diverse(found, WIDTH, PER_FAMILY))
             self.tell(f"growing the best laws, round {level + 1} of {LEVELS}")
             grown = self.scored([one for parent in chosen for one in self.children(parent.law)])
             found = self.best_of_each([*chosen, *found, *grown])
-        return self.polished(self.diverse(found))
+        return self.polished(diverse(found, WIDTH, PER_FAMILY))
 
     # --- seeds ---
 
@@ -67,16 +67,19 @@ class Beam:
                 plain = Term(coordinate, (), self.grid.span)
                 for values in self.grid.points(coordinate.slots, None):
                     yield place, plain, values
-                    x = plain.within(self.names[place.name], values)
                     if coordinate.name in KINETICS:
-                        yield from self.multiplied(place, plain, values, x)
+                        yield from self.multiplied(place, plain, values)
                         continue
+                    x = plain.within(self.names[place.name], values)
                     yield place, changing(plain), values
                     yield from self.bent(place, plain, values, x)
                     for term, more in self.remembering(plain, x):
                         yield place, term, values | more
-                        yield place, changing(term), values | more
                         yield from self.sized(place, term, values | more)
+                        if term.memory == "lag":
+                            yield from self.multiplied(place, term, values | more)
+                        else:
+                            yield place, changing(term), values | more
 
     def remembering(self, term: Term, x: FloatArray) -> Iterator[tuple[Term, dict[str, float]]]:
         name = term.coordinate.name
@@ -94,12 +97,13 @@ class Beam:
                 for more in self.grid.points(one.slots, x, one.name):
                     yield place, with_operator(plain, one, x), values | more
 
-    def multiplied(self, place: Place, plain: Term, values: dict[str, float], x: FloatArray):
-        """A coordinate times what it may act on: a state often changes a force by a share, not by an amount."""
-        factors = [one for one in OPERATORS.values() if one.kind == "factor" and not one.slots]
-        for one in factors:
-            if set(one.reads) <= self.readable[place.name] and fits(plain, one, 0, x):
-                yield place, with_operator(plain, one, x), values
+    def multiplied(self, place: Place, term: Term, values: dict[str, float]):
+        """A term times what it may act on: what is remembered often changes a force by a share, not by an amount."""
+        x, readable = term.within(self.names[place.name], values), self.readable[place.name]
+        for one in OPERATORS.values():
+            if one.kind == "factor" and set(one.reads) <= readable and fits(term, one, len(term.operators), x):
+                for more in self.grid.points(one.slots, x, one.name):
+                    yield place, with_operator(term, one, x), values | more
 
     def sized(self, place: Place, term: Term, values: Mapping[str, float]):
         """The term without its sign (its size, its square), where it has one."""
@@ -173,20 +177,6 @@ class Beam:
             kept.setdefault((one.law.place.name, round(one.gain + price_of(one.law.term), 4)), one)
         return list(kept.values())
 
-    @staticmethod
-    def diverse(found: Sequence[Found]) -> list[Found]:
-        """The best laws, at most `PER_FAMILY` of one family, so that no family fills the beam."""
-        kept: list[Found] = []
-        count: dict[tuple[str, ...], int] = {}
-        for one in found:
-            family = one.law.family
-            if count.get(family, 0) < PER_FAMILY:
-                kept.append(one)
-                count[family] = count.get(family, 0) + 1
-            if len(kept) == WIDTH:
-                break
-        return kept
-
     def polished(self, found: Sequence[Found]) -> list[Found]:
         """The same laws, with the parameters of the first `POLISHED` optimised."""
         better = self.pool.map(self.polish, found[:POLISHED])
@@ -211,6 +201,21 @@ class Beam:
         best = minimize(lambda point: costs(point[None])[0], start, method="Nelder-Mead", options=options)
         then = self.at(law.place, law.term, _outward(slots, best.x, law.values, self.grid))
         return max(found, then, key=lambda one: one.gain)
+
+
+def diverse(found: Sequence[Found], most: int, of_one_family: int, of_one_place: int = WIDTH) -> list[Found]:
+    """The first of these laws, few of one family and place: some are artefacts of the first order.
+
+    A law that is a better one with one more piece, and no more numbers, is left out: the piece does harm.
+    """
+    kept: list[Found] = []
+    for one in found:
+        same = [k.law for k in kept if k.law.place == one.law.place]
+        alike = [law.term for law in same if law.family == one.law.family]
+        idle = any(one.law.term.extends(term) and one.law.term.slots == term.slots for term in alike)
+        if len(same) < of_one_place and len(alike) < of_one_family and not idle:
+            kept.append(one)
+    return kept[:most]
 
 
 def with_operator(term: Term, one: Operator, x: FloatArray | None = None, at: int | None = None) -> Term:

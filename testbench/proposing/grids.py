@@ -9,10 +9,12 @@ import numpy as np
 from scipy.signal import periodogram
 
 from testbench.knit.effect import FloatArray
+from testbench.knit.filters import rate
 from testbench.proposing.laws.law_parts import Slot
 
 LEVELS = (0.1, 0.3, 0.5, 0.7, 0.9, 0.98)  # quantiles; the last: where a few large values are cut off
 PEAKS = 0.9  # quantile beyond which the peaks lie: a level is tried half way up to the highest, however few they are
+QUICK = (0.3, 0.5, 0.7, 0.85, 0.95, 0.98)  # quantiles of a rate that is exceeded beyond them
 SIZES = (0.03, 0.1, 0.3, 1.0, 3.0)  # of the usual size
 EDGES = tuple(np.linspace(0.04, 0.96, 16))  # quantiles at which a switch is tried: a sharp thing is found only nearby
 NARROW = 0.02  # of the usual size, between the two levels of a switch that share a quantile
@@ -84,10 +86,12 @@ class Grid:
             return list(LATE_S / self.duration_s * np.concatenate([-steps[::-1], steps]))
         if slot.kind == "number":
             return {"decades": DECADES, "share": SHARES}.get(slot.key, NUMBERS)
-        if x is None:  # a coordinate of the strain
+        if slot.kind == "swing" or x is None:  # of the strain
             strains = STRAINS[1::2] if few else STRAINS
             shares = {"strain": strains, "path": PATHS, "swing": SWINGS, "size": WIDTHS}[slot.kind]
             return [share * self.span for share in shares]
+        if slot.kind == "rate":
+            return list(np.unique(np.quantile(np.abs(rate(x, self.dt_s)), QUICK)) + 1e-12)
         if slot.kind == "level":
             half_way = 0.5 * (np.quantile(x, PEAKS) + np.max(x))
             return list(np.unique([*np.quantile(x, LEVELS), half_way]))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,8 +16,7 @@ from testbench.fitting.evidence.laplace import fitted
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.knit.rules import check
-from testbench.proposing.bases import best_base, stiff_start
-from testbench.proposing.beam import Beam, Found
+from testbench.proposing.beam import Beam, diverse
 from testbench.proposing.grids import Grid, rounded
 from testbench.proposing.laws.law import Law
 from testbench.proposing.laws_found import Option, Step, numbered
@@ -31,23 +30,6 @@ NOTHING_LEFT = 0.3  # squared noise floors above the noise, all channels: the fl
 LEAST_GAIN = 10.0  # nats: about ln of the number of laws that are tried
 LEAST_SHARE = 0.1  # of the squared error above the noise that a law takes off
 FINALISTS, OF_ONE_PLACE, OF_ONE_FAMILY, SETTLED = 5, 3, 2, 2
-
-
-@dataclass(frozen=True, eq=False)
-class ProjectedBase:
-    """A model without the law that is sought, and laws to first order beside it.
-
-    Attributes
-    ----------
-    hypothesis : Hypothesis
-        Fitted; it may still hold an earlier guess at the law.
-    base : KnitModel
-        The same without that guess. It is not fitted anew: the base would bend to take the law in again.
-    """
-
-    hypothesis: Hypothesis
-    base: KnitModel
-    projector: Projector
 
 
 class Hunt:
@@ -124,31 +106,34 @@ class Hunt:
         stiff = fitted(without_shapes(h.model), self.likelihood, self.search.reference, h)
         return fitted(self.search.bent(stiff.model), self.likelihood, self.search.reference, stiff, iterations=0)
 
-    def projected(self, h: Hypothesis, without: str = "") -> ProjectedBase:
-        """Where laws are sought: beside a fitted model, or beside it without one of its effects."""
-        base = h.model.without(without) if without else h.model
-        return ProjectedBase(h, base, Projector(h, self.likelihood, OpenChain(base, self.measurement)))
+    def projected(self, h: Hypothesis, without: str = "") -> Projector:
+        """Where laws are sought: beside a fitted model, or beside it without an earlier guess at the law.
 
-    def look(self, null: ProjectedBase, name: str) -> list[Trial]:
+        Without it the model is not fitted anew: it would bend to take the law in again.
+        """
+        base = h.model.without(without) if without else h.model
+        return Projector(h, self.likelihood, OpenChain(base, self.measurement))
+
+    def look(self, null: Projector, name: str) -> list[Trial]:
         """The best laws beside a base, refitted with it, quickly."""
-        beam = Beam(null.projector, self.grid_for(null.base), self.tell, self.pool)
+        beam = Beam(null, self.grid_for(null.chain.model), self.tell, self.pool)
         found = beam.run()
-        chosen = finalists([one for one in found if one.gain > LEAST_GAIN / 2])
+        promising = [one for one in found if one.gain > LEAST_GAIN / 2]
+        chosen = diverse(promising, FINALISTS, OF_ONE_FAMILY, OF_ONE_PLACE)
         return self.pool.map(lambda one: self.refitted(one.law, null, name), chosen)
 
-    def refitted(self, law: Law, null: ProjectedBase, name: str) -> Trial:
+    def refitted(self, law: Law, null: Projector, name: str) -> Trial:
         """A law refitted with its base, quickly."""
         self.tell(f"refitting with {law.key}")
-        prior_sd = null.projector.law_prior_sd(law)
-        return self.fitter.tried(law, name, null.hypothesis, prior_sd, null.base)
+        return self.fitter.tried(law, name, null.hypothesis, null.law_prior_sd(law), null.chain.model)
 
-    def simpler(self, trial: Trial, null: ProjectedBase) -> Trial:
+    def simpler(self, trial: Trial, null: Projector) -> Trial:
         """A law without those of its pieces that the evidence does not ask for."""
         best = trial
         for at in reversed(range(len(trial.law.term.operators))):
-            less, scores = best.law.without(at), null.projector
-            score = scores.of_law(less)
-            if score.gain > scores.of_law(best.law).gain - LEAST_GAIN:
+            less = best.law.without(at)
+            score = null.of_law(less)
+            if score.gain > null.of_law(best.law).gain - LEAST_GAIN:
                 quick = self.refitted(replace(less, strength=score.strength), null, trial.name)
                 best = max(best, self.fitter.settled(quick), key=evidence_of)
         return best
@@ -186,17 +171,23 @@ class Hunt:
         return z, without - np.median(without), m.residual(model)[channel][rows]
 
 
-def finalists(found: Sequence[Found]) -> list[Found]:
-    """The best, few of one place and family: first order cannot tell them, and some are artefacts of it."""
-    kept: list[Found] = []
-    for one in found:
-        same = [k for k in kept if k.law.place == one.law.place]
-        alike = [k for k in same if k.law.family == one.law.family]
-        if len(same) < OF_ONE_PLACE and len(alike) < OF_ONE_FAMILY:
-            kept.append(one)
-        if len(kept) == FINALISTS:
-            break
-    return kept
+def best_base(search: Search) -> Hypothesis:
+    """The base whose laws were exchanged one by one for others of the catalogue while the evidence rose.
+
+    A curve or a friction of the wrong kind leaves more than its shapes can mend, and what it leaves looks like a law
+    that is missing. The diagnosis chooses its base in the same way. What is tied with the usual base stays out.
+    """
+    search.tell("choosing the laws of the base")
+    bent, _ = search.bases()
+    chosen = fitted(bent[0].model, search.likelihood, search.reference, bent[0])
+    return chosen if chosen.log_z > search.flexible.log_z + TIED_NATS else search.flexible
+
+
+def stiff_start(search: Search, base: Hypothesis) -> KnitModel:
+    """The laws of a base where they lie without their shapes: a fit that shall not begin bent begins there."""
+    if base is search.flexible:
+        return search.start
+    return fitted(without_shapes(base.model), search.likelihood, search.reference).model
 
 
 def _best_of_each(trials: Sequence[Trial]) -> list[Trial]:

@@ -80,7 +80,7 @@ class Projector:
             Of the fitted model, or of the same without laws whose numbers are sought anew: the base stays where it
             was fitted with them.
         """
-        self.chain, measurement = chain, likelihood.measurement
+        self.hypothesis, self.chain, measurement = hypothesis, chain, likelihood.measurement
         self.channels = list(hypothesis.columns)
         present = np.array([p.place[0] in chain.model for p in hypothesis.priors.parameters])
         left = measurement.residual(chain.model)

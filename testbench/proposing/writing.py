@@ -169,17 +169,9 @@ def _parameters(law: Law, grid: Grid) -> list[str]:
     lines = [_parameter(strength_key(law), law.strength, unit, -reach, reach, False, doc)]
     for slot in law.term.slots:
         value = law.values[slot.key]
-        low, high, log = grid.bounds(slot, value)
+        unit = "rad" if slot.kind == "angle" else str(law.term.unit_of(slot))
         lines.append(
-            _parameter(
-                slot.key,
-                value,
-                "rad" if slot.kind == "angle" else str(law.term.unit_of(slot)),
-                low,
-                high,
-                log,
-                f"{plain(slot.symbol)}: {slot.doc}",
-            )
+            _parameter(slot.key, value, unit, *grid.bounds(slot, value), f"{plain(slot.symbol)}: {slot.doc}")
         )
     return lines
 

@@ -11,6 +11,7 @@ PLAIN = {
     r"\left": "",
     r"\right": "",
     r"\dot e": "e'",
+    r"\ddot e": "e''",
     r"\dot F": "F'",
     r"\dot y": "y'",
     r"\dot n": "n'",

@@ -16,7 +16,7 @@ PRICE_OF_PIECE, PRICE_OF_PARAMETER = 2.0, 2.0  # nats: so many more laws have on
 INSTRUMENT = {"conductance rate", "force", "conductance", "time", "temperature", "heating power", "force rate"}
 OF_STRAIN = {"strain", "largest strain", "below the largest strain", "past the last top", "path", "turns", "time",
              "from a share of the last top",
-             "direction", "strain rate", "speed", "time since reversal", "temperature"}  # fmt: skip
+             "direction", "strain rate", "speed", "acceleration", "time since reversal", "temperature"}  # fmt: skip
 OF_CONTACTS = {"contact force", "strain", "largest strain", "path", "time", "temperature", "time since reversal"}
 SIGNAL_ONLY = {  # memories that make sense of some coordinates alone
     "slip": {"strain", "force", "contact force", "conductance"},
@@ -24,6 +24,7 @@ SIGNAL_ONLY = {  # memories that make sense of some coordinates alone
     "late": {"force", "conductance", "strain"},
     "echo": {"force", "conductance"},
     "clock": {"force", "conductance"},
+    "slow": {"force", "conductance", "strain"},
     "dead band": {"force", "conductance", "strain"},
     "stick": {"strain", "force"},
 }

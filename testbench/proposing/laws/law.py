@@ -21,13 +21,13 @@ MOST_PARAMETERS = 4
 STRENGTH = "gain"
 TOOLS: dict[str, Any] = {
     "np": np,
-    **{name: getattr(filters, name) for name in ("lowpass", "highpass", "rate", "shifted")},
+    **{name: getattr(filters, name) for name in ("lowpass", "highpass", "rate", "lagging_rate", "shifted")},
     **{
         name: getattr(memories, name)
         for name in (
-            "kinetics", "moving", "oscillator", "relay", "held", "stuck", "seconds_near", "heading", "since_turn",
-            "turns_so_far", "last_top", "largest", "path", "work", "delayed", "stop", "power_of", "over", "bump",
-            "broad_memory", "two_way_lag", "ever_later", "gathered", "turning",
+            "kinetics", "moving", "oscillator", "relay", "held", "no_quicker", "stuck", "seconds_near", "heading",
+            "since_turn", "turns_so_far", "last_top", "largest", "path", "work", "delayed", "stop", "power_of",
+            "over", "bump", "broad_memory", "two_way_lag", "ever_later", "gathered", "turning",
         )
     },
 }  # fmt: skip
@@ -80,6 +80,11 @@ class Term:
         sizes = self.sizes[:at] + self.sizes[at + 1 :]
         return replace(self, operators=self.operators[:at] + self.operators[at + 1 :], sizes=sizes)
 
+    def extends(self, other: Term) -> bool:
+        """Whether it is another term with operators put in."""
+        own = iter(self.operators)
+        return self.coordinate == other.coordinate and all(one in own for one in other.operators)
+
     def units(self) -> Iterator[tuple[Unit, Operator | None]]:
         """The unit of the input of each operator, and last, with None, the unit of z."""
         unit = self.coordinate.unit
@@ -100,8 +105,9 @@ class Term:
             return SECOND
         if slot.kind == "frequency":
             return PER_SECOND
-        if slot.kind in ("level", "size"):
-            return next((unit for unit, one in self.units() if one and slot in one.slots), Unit())
+        if slot.kind in ("level", "size", "rate"):
+            unit = next((unit for unit, one in self.units() if one and slot in one.slots), Unit())
+            return unit / SECOND if slot.kind == "rate" else unit
         return Unit()
 
     @cached_property

@@ -14,38 +14,40 @@ from testbench.proposing.laws.law_parts import (
     Slot,
     named,
 )
-from testbench.proposing.laws.units import KELVIN, NEWTON, ONE, PER_SECOND, SECOND
+from testbench.proposing.laws.units import KELVIN, NEWTON, PER_SECOND, SECOND
 
 _SWING = Slot("swing", "w", "how far the strain must come back to have turned", "swing", jumps=True)
 
 COORDINATES = named(
-    Coordinate("strain", "e", "e", "the strain", ONE, STRAIN),
-    Coordinate("strain rate", "rate(e, dt_s)", r"\dot e", "the strain rate", PER_SECOND, STRAIN),
+    Coordinate("strain", "e", "e", "the strain"),
+    Coordinate("strain rate", "rate(e, dt_s)", r"\dot e", "the strain rate", PER_SECOND),
+    Coordinate("speed", "np.abs(rate(e, dt_s))", r"|\dot e|", "the speed of the strain", PER_SECOND, signed=False),
     Coordinate(
-        "speed", "np.abs(rate(e, dt_s))", r"|\dot e|", "the speed of the strain", PER_SECOND, STRAIN, signed=False
+        "acceleration",
+        "lagging_rate(rate(e, dt_s), dt_s)",
+        r"\ddot e",
+        "the acceleration of the strain",
+        PER_SECOND * PER_SECOND,
     ),
-    Coordinate("direction", "heading(e, {span})", "d", "the direction of motion", ONE, STRAIN, definitions=DIRECTION),
+    Coordinate("direction", "heading(e, {span})", "d", "the direction of motion", definitions=DIRECTION),
     Coordinate("force", "F", "F", "the force", NEWTON, FORCE),
     Coordinate("force rate", "rate(F, dt_s)", r"\dot F", "the rate of the force", NEWTON / SECOND, FORCE),
     Coordinate("contact force", "P", "P", "the force on the contacts", NEWTON, PRESSING),
-    Coordinate("conductance", "ln_g", r"\ln\frac{G}{G_0}", "the change of ln G since the start", ONE, LN_G),
+    Coordinate("conductance", "ln_g", r"\ln\frac{G}{G_0}", "the change of ln G since the start", reads=LN_G),
     Coordinate("conductance rate", "rate(ln_g, dt_s)", r"\tfrac{d}{dt}\ln G", "the rate of ln G", PER_SECOND, LN_G),
     Coordinate(
         "heating power",
         "np.expm1(np.clip(ln_g, -30.0, 30.0))",
         r"\tfrac{G}{G_0} - 1",
         "the electrical power in the sensor",
-        ONE,
-        LN_G,
+        reads=LN_G,
     ),
-    Coordinate("largest strain", "largest(e)", r"e_{\max}", "the largest strain so far", ONE, STRAIN, signed=False),
+    Coordinate("largest strain", "largest(e)", r"e_{\max}", "the largest strain so far", signed=False),
     Coordinate(
         "below the largest strain",
         "largest(e) - e",
         r"(e_{\max} - e)",
         "how far the strain is below its largest so far",
-        ONE,
-        STRAIN,
         signed=False,
     ),
     Coordinate(
@@ -53,32 +55,35 @@ COORDINATES = named(
         "e - last_top(e, 0.02 * {span})",
         r"(e - e_{\text{top}})",
         "how far the strain is from where it last turned down",
-        ONE,
-        STRAIN,
     ),
     Coordinate(
         "from a share of the last top",
         "e - self.share * last_top(e, self.swing)",
         r"(e - s_t\,e_{\text{top}})",
         "how far the strain is from a share of where it last turned down",
-        ONE,
-        STRAIN,
-        (Slot("share", "s_t", "share of the last top", "number", 0.5, 1.5), _SWING),
-        (r"e_{\text{top}} = \text{last top of a swing beyond } w",),
+        slots=(Slot("share", "s_t", "share of the last top", "number", 0.5, 1.5), _SWING),
+        definitions=(r"e_{\text{top}} = \text{last top of a swing beyond } w",),
     ),
-    Coordinate("path", "path(e, {span})", r"\int |de|", "the path travelled", ONE, STRAIN, signed=False),
+    Coordinate("path", "path(e, {span})", r"\int |de|", "the path travelled", signed=False),
     Coordinate(
         "work", "work(F, e)", r"\int |F\,de|", "the work done on the knit", NEWTON, FORCE + STRAIN, signed=False
     ),
     Coordinate(
+        "power",
+        "np.abs(F * rate(e, dt_s))",
+        r"|F\,\dot e|",
+        "the power that pulls the knit",
+        NEWTON / SECOND,
+        FORCE + STRAIN,
+        signed=False,
+    ),
+    Coordinate(
         "turns",
         "turns_so_far(e, {span})",
-        r"N",
+        "N",
         "the number of turns",
-        ONE,
-        STRAIN,
-        signed=False,
         definitions=(r"N = \text{turns so far}",),
+        signed=False,
     ),
     Coordinate("time", "t", "t", "the time since the start", SECOND, TIME, signed=False),
     Coordinate(
@@ -87,7 +92,6 @@ COORDINATES = named(
         r"t_{\text{rev}}",
         "the time since the last reversal",
         SECOND,
-        STRAIN,
         signed=False,
     ),
     Coordinate(
@@ -96,9 +100,8 @@ COORDINATES = named(
         r"t_{\text{rest}}",
         "the time at the present strain",
         SECOND,
-        STRAIN,
-        (Slot("width", "w", "half width of a strain", "size", jumps=True),),
-        (r"t_{\text{rest}} = \text{time within} \pm w",),
+        slots=(Slot("width", "w", "half width of a strain", "size", jumps=True),),
+        definitions=(r"t_{\text{rest}} = \text{time within} \pm w",),
         signed=False,
     ),
     Coordinate("temperature", "T", r"\Delta T", "the change of temperature", KELVIN, WARM),
@@ -107,7 +110,6 @@ COORDINATES = named(
 # A share n of something that forms and goes: dn/dt = gain (1 - n) - loss n. What makes it form, and what ends it.
 _EDGE = Slot("edge", "e_1", "strain beyond which it forms", "strain")
 _FORM_BEYOND = Slot("form_s", r"\tau_1", "time in which it forms, a span beyond the edge")
-_REACH = Slot("reach", "l_1", "path in which it forms", "path")
 _FORMS = {
     "with time": (
         r"\frac{1}{\tau_1}",
@@ -133,11 +135,10 @@ _FORMS = {
         (Slot("form_s", r"\tau_1", "time in which it forms at the largest strain"),),
         "forms with the square of the strain",
     ),
-    "with motion": (r"\frac{|\dot e|}{l_1}", "np.abs(moving(e, dt_s)) / self.reach", (_REACH,), "forms with motion"),
     "while stretching": (
         r"\frac{\dot e^+}{l_1}",
         "over(moving(e, dt_s), 0.0) / self.reach",
-        (_REACH,),
+        (Slot("reach", "l_1", "path in which it forms", "path"),),
         "forms while stretching",
     ),
 }
@@ -189,15 +190,13 @@ def _kinetic(forms: str, ends: str) -> Coordinate:
         f"kinetics({gain_code}, {loss_code}, dt_s)",
         "n",
         f"a state that {gain_words} and {loss_words}",
-        ONE,
-        STRAIN,
-        gain_slots + loss_slots,
-        (rf"\dot n = {gain}\,(1 - n) - {loss}\,n",),
+        slots=gain_slots + loss_slots,
+        definitions=(rf"\dot n = {gain}\,(1 - n) - {loss}\,n",),
         signed=False,
     )
 
 
-def _store(loss: str, loss_code: str, loss_slots: tuple[Slot, Slot], ends: str, *definitions: str) -> Coordinate:
+def _store(loss: str, loss_code: str, loss_slots: tuple[Slot, ...], ends: str, *definitions: str) -> Coordinate:
     """What has no limit: it stands in for a state that has hardly filled, and leaves a number for how it goes."""
     words = f"what gathers beyond a strain and {ends}"
     return Coordinate(
@@ -206,14 +205,14 @@ def _store(loss: str, loss_code: str, loss_slots: tuple[Slot, Slot], ends: str, 
         "n",
         words,
         SECOND,
-        STRAIN,
-        (_EDGE, *loss_slots),
-        (rf"\dot n = \frac{{(e - e_1)^+}}{{s}} - {loss}\,n", *definitions),
+        slots=(_EDGE, *loss_slots),
+        definitions=(r"\dot n = \frac{(e - e_1)^+}{s}" + (rf" - {loss}\,n" if loss else ""), *definitions),
         signed=False,
     )
 
 
 _STORES = (
+    _store("", "np.zeros_like(e)", (), "stays"),
     _store(
         r"\frac{[e < e_2]}{\tau_2}",
         "(e < self.rest) / self.end_s",

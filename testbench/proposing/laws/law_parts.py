@@ -29,10 +29,10 @@ class Slot:
     ----------
     key : str
         Its name in the effect; it ends in its unit where that is not 1.
-    kind : {"time", "delay", "skew", "level", "size", "strain", "path", "swing", "frequency", "number", "angle"}
-        Where its values lie: a time constant; a delay; a share of the time; a level or a size of the input `x` (its
-        unit is the input's); a strain; a path; a swing of the strain; a frequency; a number between `low` and `high`;
-        an angle.
+    kind : str
+        Where its values lie: ``time`` constant; ``delay``; ``skew``, a share of the time; ``level``, ``size`` or
+        ``rate`` of the input `x` (in its unit, or that per second); ``strain``; ``path``; ``swing`` of the strain;
+        ``frequency``; ``number`` between `low` and `high`; ``angle``.
     jumps : bool
         Whether z jumps as it changes, so that no derivative tells how well the data know it.
     """
@@ -62,8 +62,8 @@ class Coordinate:
     code: str
     latex: str
     words: str
-    unit: Unit
-    reads: tuple[str, ...]
+    unit: Unit = ONE
+    reads: tuple[str, ...] = STRAIN
     slots: tuple[Slot, ...] = ()
     definitions: tuple[str, ...] = ()
     signed: bool = True

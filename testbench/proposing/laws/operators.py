@@ -95,6 +95,14 @@ OPERATORS = named(
         Slot("skew", r"\kappa", "share by which the clock is slow; negative: fast", "skew"),
     ),
     _memory(
+        "slow",
+        "no_quicker(x, self.quickest, dt_s) - x",
+        r"(y - {x})",
+        "what lags of {x} where it is too quick",
+        Slot("quickest", "v", "rate that is not exceeded", "rate"),
+        definitions=(r"\dot y = {x}' \text{ or, until it has caught up, } \pm v",),
+    ),
+    _memory(
         "dead band",
         "held(x, self.band) - x",
         r"(y - {x})",
@@ -187,6 +195,15 @@ OPERATORS = named(
         r"{x}\,d",
         "{x}, with the sign of the motion",
         definitions=DIRECTION,
+        reads=STRAIN,
+    ),
+    _factor(
+        "times friction",
+        "x * heading(e, 50.0 * self.turn)",
+        r"{x}\,d",
+        "{x}, with the sign of the motion as a friction has it",
+        Slot("turn", "l_d", "travel in which the sign turns over", "swing"),
+        definitions=(*DIRECTION, r"d \text{ turns over within } l_d"),
         reads=STRAIN,
     ),
     _factor(

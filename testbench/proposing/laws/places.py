@@ -39,45 +39,21 @@ class Place:
         return self.stage < Stage.CONTACT
 
 
+_FORCE = ("force_N", "F + {a} * x", "F", NEWTON, "force")
+_CONDUCTANCE = ("conductance_S", 'shifted(signals["conductance_S"], {a} * x)', r"\ln G", ONE, "conductance")
 PLACES = {
     p.name: p
     for p in (
         Place(
             "strain", "the strain that the knit sees", Stage.KINEMATICS, "strain", "e + {a} * x", "e", ONE, "force"
         ),
-        Place("force", "the force of the knit", Stage.MECHANICS, "force_N", "F + {a} * x", "F", NEWTON, "force"),
+        Place("force", "the force of the knit", Stage.MECHANICS, *_FORCE),
         Place(
-            "contact force",
-            "the force on the contacts",
-            Stage.PRESSURE,
-            "contact_force_N",
-            "P + {a} * x",
-            "P",
-            NEWTON,
-            "conductance",
+            "contact force", "the force on the contacts", Stage.PRESSURE,
+            "contact_force_N", "P + {a} * x", "P", NEWTON, "conductance",
         ),
-        Place(
-            "conductance",
-            "the conductance",
-            Stage.ELECTRICAL,
-            "conductance_S",
-            'shifted(signals["conductance_S"], {a} * x)',
-            r"\ln G",
-            ONE,
-            "conductance",
-        ),
-        Place(
-            "force reading", "the reading of the force", Stage.READOUT, "force_N", "F + {a} * x", "F", NEWTON, "force"
-        ),
-        Place(
-            "conductance reading",
-            "the reading of the conductance",
-            Stage.READOUT,
-            "conductance_S",
-            'shifted(signals["conductance_S"], {a} * x)',
-            r"\ln G",
-            ONE,
-            "conductance",
-        ),
+        Place("conductance", "the conductance", Stage.ELECTRICAL, *_CONDUCTANCE),
+        Place("force reading", "the reading of the force", Stage.READOUT, *_FORCE),
+        Place("conductance reading", "the reading of the conductance", Stage.READOUT, *_CONDUCTANCE),
     )
-}
+}  # fmt: skip

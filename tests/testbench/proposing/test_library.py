@@ -16,6 +16,7 @@ from testbench.knit.memories import (
     gathered,
     heading,
     last_top,
+    no_quicker,
     seconds_near,
     turning,
     two_way_lag,
@@ -212,6 +213,29 @@ def test_what_gathers_has_no_limit_and_goes_at_its_rate():
     n = gathered(gain, loss, 0.1)
     assert n[100] == pytest.approx(10.0)
     assert n[-1] == pytest.approx(n[101] * np.exp(-0.5 * 9.9), rel=1e-6)
+
+
+def test_what_is_no_quicker_than_a_rate_lags_until_it_has_caught_up():
+    t = 0.1 * np.arange(200)
+    x = np.clip(2.0 * (t - 5.0), 0.0, 4.0)  # a slope of 2 in a second, for two seconds
+    assert no_quicker(x, 3.0, 0.1) == pytest.approx(x)
+    assert no_quicker(x, 0.5, 0.1) == pytest.approx(np.clip(0.5 * (t - 5.0), 0.0, 4.0), abs=1e-9)
+    law = law_of("conductance", "force", "slow")
+    assert str(law.term.unit_of(law.term.slots[0])) == "N/s"
+
+
+def test_the_acceleration_is_that_of_a_parabola():
+    law = law_of("force", "acceleration")
+    t = DT_S * np.arange(400)
+    z = law.term.evaluated({**SIGNALS, "strain": 0.5 * 0.02 * t**2}, {}, DT_S)
+    assert z[100:-10] == pytest.approx(np.full(len(t) - 110, 0.02), rel=0.01)
+
+
+def test_what_stays_gathers_without_loss():
+    law = law_of("conductance", "what gathers beyond a strain and stays")
+    z = law.term.evaluated({**SIGNALS, "strain": np.full(101, 0.3)}, {"edge": 0.15}, 0.1)
+    assert z[-1] == pytest.approx(10.0 * 0.5)
+    assert plain(law.term.definitions[0]) == "n' = ((e - e_1)^+ / 0.3)"
 
 
 def test_a_slow_clock_shows_the_past_and_ever_more_of_it():

@@ -92,9 +92,9 @@ def test_a_base_that_has_made_room_for_a_law_is_not_bent_again_without_it():
     bent = hunt.projected(hunt.base)
     trial = hunt.fitter.settled(hunt.refitted(found().steps[0].option.law, bent, "my_effect"))
     roomy = hunt.projected(trial.hypothesis, without="my_effect")
-    left = {null: np.std(hunt.measurement.residual(null.base)["conductance"]) for null in (bent, roomy)}
+    left = {null: np.std(hunt.measurement.residual(null.chain.model)["conductance"]) for null in (bent, roomy)}
     assert left[roomy] > 1.3 * left[bent]  # all of the law, not what a base leaves that bends to it
-    assert roomy.projector.of_law(trial.law).strength == pytest.approx(trial.law.strength, rel=0.05)
+    assert roomy.of_law(trial.law).strength == pytest.approx(trial.law.strength, rel=0.05)
     again = hunt.refitted(trial.law, roomy, "my_effect")  # starts where the first has ended
     assert again.log_z == pytest.approx(trial.log_z, abs=1.0)
 

@@ -9,13 +9,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from testbench.proposing.beam import TOGETHER, Beam, Found, _condensed, changing
+from testbench.proposing.beam import TOGETHER, Beam, Found, _condensed, changing, diverse
 from testbench.proposing.grids import DAMPINGS
-from testbench.proposing.hunt import _best_of_each, finalists
+from testbench.proposing.hunt import FINALISTS, OF_ONE_FAMILY, OF_ONE_PLACE, _best_of_each
 from testbench.proposing.laws.grammar import fits
 from testbench.proposing.laws.law import Term, namespace
 from testbench.proposing.laws.law_coordinates import KINETICS
 from testbench.proposing.laws.operators import OPERATORS
+from testbench.proposing.laws.places import PLACES
 from testbench.proposing.proposal import holds
 from testbench.proposing.screening import Part, at_bounds
 from testbench.proposing.stability import SURE, stability
@@ -90,11 +91,21 @@ def test_a_state_is_tried_times_what_it_may_act_on():
     beam = Beam.__new__(Beam)
     beam.grid, beam.readable = GRID, {"force": {"strain", "force_N", "time_s"}}
     law = law_of("force", "state that forms with time and is wiped out by motion")
-    x = law.term.evaluated(SIGNALS, law.values, DT_S)
-    names = [term.name.split(", ")[1:] for _, term, _ in beam.multiplied(law.place, law.term, law.values, x)]
+    beam.names = {"force": namespace(SIGNALS, DT_S)}
+    names = [term.name.split(", ")[1:] for _, term, _ in beam.multiplied(law.place, law.term, law.values)]
     assert ["times force"] in names
     assert ["times conductance"] not in names  # which does not lie before the force
-    assert ["fading"] not in names  # one number more
+    assert ["times friction"] in names  # a friction that comes and goes, however quickly it turns over
+
+
+def test_a_memory_is_tried_times_what_it_may_act_on():
+    beam = Beam.__new__(Beam)
+    beam.grid, beam.chain = GRID, SimpleNamespace(places=(PLACES["force"],))
+    signals = {name: SIGNALS[name] for name in ("strain", "force_N", "time_s")}
+    beam.readable, beam.names = {"force": set(signals)}, {"force": namespace(signals, DT_S)}
+    names = {term.name for _, term, _ in beam.seeds()}
+    assert "power, lag, times force" in names  # a knit that its own work warms and softens
+    assert "strain, lag, times strain" in names
 
 
 def test_a_factor_may_come_twice_and_nothing_else():
@@ -120,9 +131,17 @@ def test_a_law_loses_one_piece_and_its_numbers():
 def test_bends_of_one_law_do_not_crowd_out_another_memory():
     bends = [law_of("force", "force", name) for name in ("square", "saturation", "bell", "threshold")]
     ringing = law_of("force", "force", "ring")
-    kept = finalists([Found(law, 9.0 - k) for k, law in enumerate([*bends, ringing])])
+    found = [Found(law, 9.0 - k) for k, law in enumerate([*bends, ringing])]
+    kept = diverse(found, FINALISTS, OF_ONE_FAMILY, OF_ONE_PLACE)
     assert ringing.key in [one.law.key for one in kept]
     assert len([one for one in kept if not one.law.term.memory]) == 2
+
+
+def test_a_piece_that_does_harm_and_has_no_number_takes_no_place():
+    better, idle = (law_of("force", "strain", "lag", "times strain", *more) for more in ((), ("size",)))
+    bent, other = law_of("force", "strain", "lag", "threshold", "times strain"), law_of("force", "strain", "slip")
+    found = [Found(law, 9.0 - k) for k, law in enumerate([better, idle, bent, other])]
+    assert [one.law for one in diverse(found, 14, 2)] == [better, bent, other]  # what has a number may yet be better
 
 
 def test_a_channel_at_its_noise_does_not_hide_what_a_law_does_to_the_other():
