@@ -89,15 +89,15 @@ def _judged(
 ) -> Proposed:
     """The laws put on the ladder one after the other, as far as each holds on the held-out recording."""
     given = any(name in SHAPES for name in (file.model if file else ()))
-    before = file or on_the_ladder(Fit.of(hunt.search.baseline), None, "baseline", calibration, held)
-    step_name = "refitted" if given else "+ shape freedom"
+    ladder = before = file or on_the_ladder(Fit.of(hunt.search.baseline), None, "baseline", calibration, held)
+    bases = [("refitted" if given else "+ shape freedom", hunt.search.flexible)]
+    bases += [("+ other base laws", hunt.base)] if hunt.base is not hunt.search.flexible else []
     floors = noise_floors(held)
-    before = chosen = on_the_ladder(Fit.of(hunt.search.flexible), before, step_name, calibration, held)
-    if hunt.base is not hunt.search.flexible:
-        chosen = on_the_ladder(Fit.of(hunt.base), before, "+ other base laws", calibration, held)
-    # A base that foretells less than the one before is no yardstick: laws beside it must do better than both.
-    before = chosen if holds(_held(before), _held(chosen), floors) else before
-    after, ladder = before, chosen
+    for step_name, base in bases:
+        ladder = on_the_ladder(Fit.of(base), ladder, step_name, calibration, held)
+        # A base that foretells less than the one before is no yardstick: laws beside it must do better than both.
+        before = ladder if holds(_held(before), _held(ladder), floors) else before
+    after = before
     rejected: Step | None = None
     kept: list[Step] = []
     for index, (step, h) in enumerate(found):

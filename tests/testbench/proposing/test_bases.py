@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from testbench.diagnosis.searching.search import Search
 from testbench.fitting.baseline import SHAPES
 from testbench.knit.mechanics.elasticity import ElasticityTwoSlopes
 from testbench.measurements.splitting import split
-from testbench.proposing import propose_law
+from testbench.proposing import proposal, propose_law
 from testbench.proposing.hunt import Hunt
 from testbench.recordings.recording import Recording
 from tests.testbench.builders import CATALOGUE, record, truth
@@ -60,3 +61,20 @@ def test_the_law_is_found_beside_the_knee_and_the_ladder_says_what_was_exchanged
     assert proposed.error_before in errors[1:3]  # the better of the two bases is the yardstick
     for channel, floor in proposed.noise_floor.items():
         assert np.round(proposed.error_after[channel] / floor, 2) < 1.2
+
+
+def test_a_refit_that_foretells_less_than_the_given_model_is_no_yardstick(monkeypatch):
+    held_out = {"baseline": 1.0, "+ shape freedom": 2.0, "+ other base laws": 1.5}
+
+    def on_the_ladder(fit, before, name, calibration, held):
+        steps = before.history if before else ()
+        return SimpleNamespace(history=(*steps, {"errors": {"held_out": {"force": held_out[name]}}}))
+
+    monkeypatch.setattr(proposal, "on_the_ladder", on_the_ladder)
+    monkeypatch.setattr(proposal, "Fit", SimpleNamespace(of=lambda h: h))
+    monkeypatch.setattr(proposal, "noise_floors", lambda held: {"force": 0.1})
+    monkeypatch.setattr(proposal, "not_judged", lambda calibration: [])
+    search = SimpleNamespace(baseline="given", flexible="bent")
+    hunt = SimpleNamespace(search=search, base="other", name="mine", said_nothing_left=False, grid=None)
+    told = proposal._judged(hunt, [], None, None, None)
+    assert told.error_before == told.error_after == {"force": 1.0}
