@@ -73,5 +73,11 @@ def test_a_specimen_that_went_through_a_motion_answers_otherwise(order, tmp_path
     aged = Order(order.program, tmp_path / "aged", 25.0, [order.program], 5.0, seed=3)
     bench.run(aged, lambda status: None)
     fresh, again = read_recording(order.folder), read_recording(aged.folder)
-    assert np.array_equal(fresh.time_s, again.time_s)
-    assert np.max(np.abs(fresh["force_N"] - again["force_N"])) > 0.05
+    assert not np.array_equal(fresh.time_s[:1000], again.time_s[:1000])  # each recording has chance of its own
+    time_s = np.arange(0.0, min(fresh.time_s[-1], again.time_s[-1]), 0.02)
+    mm, newtons = (
+        np.interp(time_s, fresh.time_s, fresh[c]) - np.interp(time_s, again.time_s, again[c])
+        for c in ("displacement_mm", "force_N")
+    )
+    assert np.max(np.abs(mm)) < 0.02
+    assert np.median(np.abs(newtons)) > 0.05
