@@ -306,7 +306,10 @@ def model_from_dict(data: Any, catalogue: Catalogue, source: str = "model") -> K
         raise UserError(f"{source}: {error}") from None
     except (KeyError, TypeError) as error:
         raise UserError(f"{source}: malformed list of effects ({error})") from None
-    return model
+    # Within a stage they act in the order in which they were saved, which need not be that of `plus`.
+    saved = [entry["name"] for entry in data["effects"]]
+    ordered = sorted(model.effects.items(), key=lambda item: (item[1].stage, saved.index(item[0])))
+    return KnitModel(dict(ordered))
 
 
 def baseline() -> KnitModel:

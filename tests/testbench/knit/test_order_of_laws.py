@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from testbench.fitting.baseline import SHAPES
-from testbench.knit.catalogue import load_catalogue
+from testbench.knit.catalogue import load_catalogue, model_from_dict
 from testbench.knit.model import KnitModel
 
 EFFECTS = load_catalogue().effects
@@ -22,3 +22,11 @@ def test_an_effect_acts_on_all_that_the_base_does(name: str) -> None:
     assert list(first) == list(last)
     behind = list(last)[list(last).index(name) + 1 :]
     assert not any(last[other].in_base and last[other].stage == effect.stage for other in behind)
+
+
+def test_a_saved_model_acts_in_the_order_in_which_it_was_saved() -> None:
+    relaxing = EFFECTS["stress_relaxation"]()
+    model = KnitModel({"elasticity": BASE["elasticity"], "relaxes": relaxing, "hysteresis": BASE["hysteresis"]})
+    again = model_from_dict(model.to_dict(), load_catalogue())
+    assert list(again) == ["elasticity", "relaxes", "hysteresis"]
+    assert again == model
