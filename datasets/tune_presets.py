@@ -112,7 +112,7 @@ LABELS += ["fast raw", *(f"fast gain, {label}" for label in ("there", "there, a 
 def start_model(name: str) -> KnitModel:
     """The plausible model to start from."""
     effects = load_catalogue().effects
-    return KnitModel.of(*(effects[key].model_validate(values) for key, values in START[name].items()))
+    return KnitModel({key: effects[key].model_validate(values) for key, values in START[name].items()})
 
 
 def moved(model: KnitModel, steps: FloatArray, digits: int = 12) -> KnitModel:
