@@ -89,7 +89,7 @@ def run(args: argparse.Namespace) -> int:
     cross_validated = "cross_validated" in recipe
     if cross_validated:
         note = f"{common.cross_validation_table(recipe, compensator.unit)}\n{note}"
-    if recipe["dead_networks"] == recipe["restarts"]:
+    if compensator.is_dead:
         note += "\nwarning: the network is dead, its output hardly moves: give another --seed or more --restarts"
     # Where there is what was predicted unseen, a score of what was learned by heart would only mislead.
     return common.finish(args, score_recordings(compensator, recordings), note, table=not cross_validated)

@@ -144,6 +144,11 @@ class TrainedCompensator(Unchanging):
         return len(self.alphas) + self.history.count
 
     @property
+    def is_dead(self) -> bool:
+        """Whether no start of its network came alive: its output hardly moves."""
+        return self.recipe.get("dead_networks", 0) == self.recipe.get("restarts")
+
+    @property
     def parameter_count(self) -> int:
         """Weights and biases of all networks."""
         return sum(network.parameter_count for network in self.networks)

@@ -202,11 +202,12 @@ def load(path: str | Path) -> TrainedCompensator:
         raise UserError(f"{path}: not a usable compensator: {first_problem(error)}") from None
     if _digest({key: value for key, value in data.items() if key != "sha256"}) != checked.sha256:
         raise UserError(f"{path}: the file was changed after it was saved (its checksum is wrong); train it again")
-    if data["recipe"].get("dead_networks", 0) == data["recipe"].get("restarts"):
+    built = _build(checked, networks)
+    if built.is_dead:
         say_once(
             f"{path}: its network is dead, its output hardly moves; train with another --seed or more --restarts"
         )
-    return _build(checked, networks)
+    return built
 
 
 def _checked(data: dict[str, Any]) -> tuple[_File, tuple[Network, ...]]:

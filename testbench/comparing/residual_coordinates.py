@@ -6,7 +6,7 @@ import numpy as np
 
 from testbench.comparing.cell import HOLD_RATE
 from testbench.knit.effect import FloatArray
-from testbench.knit.kernels import running_max, turns
+from testbench.knit.kernels import turns
 from testbench.measurements.measurement import Measurement
 
 RATE_SMOOTHING_S = 0.15
@@ -34,7 +34,7 @@ def coordinates(measurement: Measurement) -> dict[str, FloatArray]:
         "strain_rate": rate,
         "direction": direction,
         "elapsed_s": measurement.signals["time_s"],
-        "largest_strain": running_max(strain),
+        "largest_strain": np.maximum.accumulate(strain),
         "since_reversal_s": (np.arange(len(strain)) - np.ceil(known)) * measurement.dt_s,
         "since_hold_s": _run_length(direction == 0) * measurement.dt_s,
         "cycle": np.floor(count / 2),

@@ -16,7 +16,7 @@ from gcode.support.errors import UserError
 from gcode.support.strict import read_bytes
 from testbench.knit.effect import Effect
 from testbench.knit.effect_names import check_free
-from testbench.knit.model import FORMAT, FORMAT_VERSION, KnitModel
+from testbench.knit.model import FORMAT, FORMAT_VERSION, KnitModel, by_stage
 
 BUILT_IN = {
     # the baseline
@@ -297,19 +297,18 @@ def model_from_dict(data: Any, catalogue: Catalogue, source: str = "model") -> K
         raise UserError(f"{source}: not a knitbench model (its format must be {FORMAT!r})")
     if data.get("version") != FORMAT_VERSION:
         raise UserError(f"{source}: model version {data.get('version')!r}; this knitbench reads {FORMAT_VERSION}")
-    model = KnitModel()
+    model, saved = KnitModel(), []
     try:
         for entry in data["effects"]:
             effect = catalogue[entry["effect"]](**entry["parameters"])
-            model = model.plus(effect, entry["name"])
+            before, model = model, model.plus(effect, entry["name"])
+            saved += [name for name in model if name not in before]
     except UserError as error:
         raise UserError(f"{source}: {error}") from None
     except (KeyError, TypeError) as error:
         raise UserError(f"{source}: malformed list of effects ({error})") from None
     # Within a stage they act in the order in which they were saved, which need not be that of `plus`.
-    saved = [entry["name"] for entry in data["effects"]]
-    ordered = sorted(model.effects.items(), key=lambda item: (item[1].stage, saved.index(item[0])))
-    return KnitModel(dict(ordered))
+    return by_stage({name: model[name] for name in saved if name in model})
 
 
 def baseline() -> KnitModel:

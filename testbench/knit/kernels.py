@@ -1,4 +1,4 @@
-"""Operators with a memory of where a signal has been, compiled: play, stop, Bouc-Wen, maxima, travel and turns.
+"""Operators with a memory of where a signal has been, compiled: play, stop, Bouc-Wen, travel and turns.
 
 They depend on no rate. Each walks once through the samples; numba makes that 100 times faster than Python.
 """
@@ -49,11 +49,6 @@ def moves(x: FloatArray, step: float) -> FloatArray:
         if abs(x[i] - at) > step:
             at, out[i] = x[i], True
     return out
-
-
-def running_max(x: FloatArray) -> FloatArray:
-    """Largest value so far, shape (n,)."""
-    return np.maximum.accumulate(x)
 
 
 @njit("float64(float64, float64, float64)", cache=True, nogil=True)

@@ -15,7 +15,7 @@ from testbench.knit import spectra
 from testbench.knit.effect import FloatArray
 from testbench.knit.filters import hold_coefficients, memory
 from testbench.knit.filters import moving as moving
-from testbench.knit.kernels import last_turn, running_max, travelled, turns
+from testbench.knit.kernels import last_turn, travelled, turns
 from testbench.knit.lags import two_way_lowpass
 
 BACK = 0.02  # of the span: a turn is known once the strain has come back so far
@@ -198,7 +198,7 @@ def last_top(x: FloatArray, back: float) -> FloatArray:
 
 def largest(x: FloatArray) -> FloatArray:
     """Largest value so far."""
-    return running_max(x)
+    return np.maximum.accumulate(x)
 
 
 def path(x: FloatArray, span: float) -> FloatArray:

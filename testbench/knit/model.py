@@ -335,6 +335,11 @@ def inputs(
     return {**signals, "strain": signals["strain_nominal"]}
 
 
+def by_stage(effects: Mapping[str, Effect]) -> KnitModel:
+    """A model of these effects in the order of their stages; within a stage in the order in which they are given."""
+    return KnitModel(dict(sorted(effects.items(), key=lambda item: item[1].stage)))  # sorted() is stable
+
+
 def _makes(law: type[Effect]) -> set[str]:
     """Signals that a law makes from others, and does not merely change."""
     return set() if law.strength else set(law.writes) - set(law.reads)

@@ -23,7 +23,10 @@ Count = Annotated[int, Field(ge=0, le=1 << 53)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 GaugeLength = Annotated[float, Field(gt=0, le=LONGEST_GAUGE_MM, allow_inf_nan=False)]
 # The name of a file beside the manifest: nothing that leads anywhere else.
-FileName = Annotated[str, Field(pattern=r"^[^./\\\x00-\x1f\x7f][^/\\\x00-\x1f\x7f]{0,199}$")]
+FILE_NAME = r"^[^./\\\x00-\x1f\x7f][^/\\\x00-\x1f\x7f]{0,199}$"
+FileName = Annotated[str, Field(pattern=FILE_NAME)]
+MOST_SEEDS = 1 << 64
+Seed = Annotated[int, Field(ge=0, lt=MOST_SEEDS)]
 Rest = Annotated[float, Field(ge=0, le=1e5)]
 Number = float | int | bool | str | None
 Origin = Literal["simulated", "recorded", "imported", "aligned"]
@@ -101,7 +104,7 @@ class Recipe(StrictModel):
     program_sha256: Sha256 | None = None
     # of a simulated one
     model: StoredModel | None = None
-    seed: Annotated[int, Field(ge=0, lt=1 << 64)] | None = None
+    seed: Seed | None = None
     grid_hz: Annotated[float, Field(gt=0, le=1e5)] | None = None
     instruments: Instruments | None = None
     past_sha256: Annotated[list[Sha256], Field(max_length=1000)] | None = None
@@ -185,7 +188,7 @@ class IndexEntry(StrictModel):
     campaign: FileName
     sensor: Label
     program: Label
-    seed: Annotated[int, Field(ge=0, lt=1 << 64)]
+    seed: Seed
     specimen: Annotated[str, Field(max_length=400)] = ""
     split: Literal["", "train", "validation", "test"] = ""
     samples: Count

@@ -22,6 +22,7 @@ from testbench.campaigns.plan import Plan, effects_kept, programs_before
 from testbench.recordings.files import check_beside, read_recording
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.recording import Recording
+from testbench.recordings.stored import MOST_SEEDS
 from testbench.rig.acquisition.recorder import Report, Status
 from testbench.rig.acquisition.stopping import stop_signals
 from testbench.rig.connection.links import real_time as at_the_machines_pace
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-LARGEST_SEED = (1 << 64) - 1  # that a manifest can keep
 ENDED_WELL = ("complete", "interrupted")
 
 
@@ -256,8 +256,8 @@ def planned(
     own = Path(effects) if isinstance(effects, str | Path) else None
     knit, earlier = model_file_of(model, catalogue_of(effects)).model, earlier_runs(after)
     seed, rest_s = whole("seed:", seed, 0), number("rest_s", rest_s, 0)
-    if seed > LARGEST_SEED:
-        raise UserError(f"seed: must be at most {LARGEST_SEED}, got {seed}")
+    if seed >= MOST_SEEDS:
+        raise UserError(f"seed: must be at most {MOST_SEEDS - 1}, got {seed}")
     if rest_s > LONGEST_REST_S:
         raise UserError(f"rest_s must be at most {LONGEST_REST_S:g} s, got {rest_s:g}")
     tools = Instruments() if instruments is None else instance("instruments", instruments, Instruments)

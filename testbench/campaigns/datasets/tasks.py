@@ -23,15 +23,13 @@ from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.knit.presets import preset
 from testbench.recordings.instruments import Instruments
-from testbench.recordings.stored import read_model
+from testbench.recordings.stored import FILE_NAME, read_model
 from testbench.rig.simulation.past import DEFAULT_REST_S
 from testbench.rig.simulation.played import played
 from testbench.rig.simulation.simulated import Motion
 from testbench.trust import named_effects
 
 PROGRAMS = "programs"
-# What the list of a data set can name (`StoredIndex`), and pandas and Arrow read: they pass over _hidden and .hidden.
-CAMPAIGN_NAME = re.compile(r"[^._/\\\x00-\x1f\x7f][^/\\\x00-\x1f\x7f]{0,199}")
 
 
 @dataclass(frozen=True)
@@ -98,7 +96,7 @@ def tasks_of(spec: DatasetSpec, base: Path, out: Path, effects: Path | None = No
     for (sensor, model), (order, program), seed in product(models.items(), enumerate(programs), spec.seeds):
         past = tuple(programs[:order]) if spec.same_sensor else ()
         name = f"{Path(sensor).stem}-{program.stem}-{seed:05d}"
-        if not CAMPAIGN_NAME.fullmatch(name):
+        if name.startswith("_") or not re.fullmatch(FILE_NAME, name):
             raise UserError(
                 f"{sensor}, {program}: a campaign would be called {name[:99]!r}; a name has at most 200 characters, "
                 "no control characters, and begins with no . or _, which readers of Parquet pass over; rename that "

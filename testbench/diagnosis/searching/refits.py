@@ -20,7 +20,7 @@ from testbench.fitting.baseline import framed, without_shapes
 from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.fitting.evidence.laplace import fitted
 from testbench.knit.effect import Effect
-from testbench.knit.model import KnitModel, parts_of
+from testbench.knit.model import KnitModel, by_stage, parts_of
 
 LIKELIEST = 3  # mechanisms that are tried in more places, and by more of their laws
 MORE, FEW = 4, 2  # places (a law beside a null model) in which one of those, and one of the others, is tried at first
@@ -139,7 +139,7 @@ class Refits:
         taken = _of_base(best, whole)
         own = e.hypothesis.model.effects
         rest = {name: own[name] for name in own if name == e.name or not (whole or acts_on_force(own[name]))}
-        model = KnitModel(dict(sorted((taken | rest).items(), key=lambda item: item[1].stage)))
+        model = by_stage(taken | rest)
         known_priors = {a: prior for a, prior in best.hypothesis.priors.by_address.items() if parts_of(a)[0] in taken}
         return e.refitted(self.fits.quickly(model, e.hypothesis, known_priors))
 

@@ -30,3 +30,9 @@ def test_a_saved_model_acts_in_the_order_in_which_it_was_saved() -> None:
     again = model_from_dict(model.to_dict(), load_catalogue())
     assert list(again) == ["elasticity", "relaxes", "hysteresis"]
     assert again == model
+
+
+def test_a_saved_effect_without_a_name_has_its_own() -> None:
+    data = BASE.to_dict()
+    data["effects"][1]["name"] = ""
+    assert model_from_dict(data, load_catalogue()) == BASE
