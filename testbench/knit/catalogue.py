@@ -74,6 +74,8 @@ BUILT_IN = {
     "stress_relaxation_power": "testbench.knit.mechanics.relaxation:StressRelaxationPower",
     "stress_relaxation_log": "testbench.knit.mechanics.relaxation:StressRelaxationLog",
     "stress_relaxation_nonlinear": "testbench.knit.mechanics.relaxation:StressRelaxationNonlinear",
+    "stress_relaxation_arm": "testbench.knit.mechanics.relaxation:StressRelaxationArm",
+    "stress_relaxation_arm_power": "testbench.knit.mechanics.relaxation:StressRelaxationArmPower",
     "stress_relaxation_series": "testbench.knit.mechanics.relaxation:StressRelaxationSeries",
     "stress_relaxation_prony": "testbench.knit.mechanics.relaxation:StressRelaxationProny",
     "viscous_rate_stiffening": "testbench.knit.mechanics.rate_stiffening:ViscousRateStiffening",

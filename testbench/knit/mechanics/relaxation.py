@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 
 from testbench.knit import spectra
+from testbench.knit.additive import ForceLaw
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import lowpass, memory, memory_of_box, memory_of_decades, memory_of_two_times
 
 PRONY_S = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
+STARTS_OF_A_POWER = [{"tau_s": tau_s, "exponent": exponent} for tau_s in (0.1, 1.0, 10.0) for exponent in (0.3, 1.0)]
 
 
 class StressRelaxationLaw(Effect):
@@ -144,7 +146,7 @@ class StressRelaxationFindley(StressRelaxationLaw):
         return self.fraction * memory(force_N, times, weights, dt_s)
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
-        return [{"tau_s": tau_s, "exponent": exponent} for tau_s in (0.1, 1.0, 10.0) for exponent in (0.3, 1.0)]
+        return STARTS_OF_A_POWER
 
 
 class StressRelaxationLog(StressRelaxationLaw):
@@ -212,6 +214,79 @@ class StressRelaxationProny(StressRelaxationLaw):
 
     def lost_N(self, force_N: FloatArray, dt_s: float) -> FloatArray:
         return memory(force_N, np.array(PRONY_S), np.array(self.fractions), dt_s)
+
+
+class RelaxingArm(ForceLaw):
+    """Base of the laws of an arm beside the knit whose force decays, while that of the knit and its friction stay.
+
+    F = F_e - arm_force * integral of phi(t - s) dD(s),   D = sgn(e) (|e| / span)^power
+
+    F_e is what the knit answers with at once, the arm's part in it.
+
+    Source: Ferry, Viscoelastic Properties of Polymers (1980), ch. 1 (generalised Maxwell model); arms with a curve
+    of their own: Huber & Tsakmakis, Mech. Mater. 32 (2000) 1.
+    """
+
+    mechanism = "stress_relaxation"
+    strength = "arm_force_N"
+
+    arm_force_N: float = parameter(
+        0.3, unit="N", low=0, high=100, doc="force of the arm that is lost in the end at `span`"
+    )
+    power: float = parameter(1.0, unit="1", low=0.3, high=4, scale="log", doc="1: the arm is as stiff at any strain")
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain over which the power is counted")
+
+    def decayed(self, x: FloatArray, dt_s: float) -> FloatArray:
+        """What has decayed of an arm that is stretched by `x`, shape (n,)."""
+        raise NotImplementedError
+
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
+        from testbench.knit.memories import power_of
+
+        return -self.arm_force_N * self.decayed(power_of(signals["strain"] / self.span, self.power), dt_s)
+
+
+class StressRelaxationArm(RelaxingArm):
+    """A spring and a dashpot in series beside the knit: their force decays, that of its friction does not.
+
+    F = F_e - arm_force * integral of (1 - exp(-(t - s) / tau)) dD(s),   D = sgn(e) (|e| / span)^power
+
+    Source: Ferry, Viscoelastic Properties of Polymers (1980), ch. 1 (standard linear solid); arms with a curve of
+    their own: Huber & Tsakmakis, Mech. Mater. 32 (2000) 1.
+    Valid: one dominant time; `span` is the largest strain of the recording. What is gone within a second is a
+    stiffening with the rate (`viscous_rate_stiffening_maxwell`).
+    """
+
+    name = "stress_relaxation_arm"
+    look = "in a hold the force sinks by as much on the way out as on the way back"
+
+    # What is quicker shows in no hold: it is a stiffening with the rate.
+    tau_s: float = parameter(10.0, unit="s", low=0.5, high=3000, scale="log", doc="time in which 63 % of it is lost")
+
+    def decayed(self, x: FloatArray, dt_s: float) -> FloatArray:
+        return lowpass(x, self.tau_s, dt_s) - x[0]
+
+
+class StressRelaxationArmPower(RelaxingArm):
+    """Arms of many times beside the knit: their force decays with a power of time, that of its friction does not.
+
+    F = F_e - arm_force * integral of (1 - (1 + (t - s) / tau)^-exponent) dD(s),   D = sgn(e) (|e| / span)^power
+
+    Source: as `stress_relaxation_arm`; the power of time as in `stress_relaxation_findley`.
+    Valid: as `stress_relaxation_arm`, over decades of time.
+    """
+
+    name = "stress_relaxation_arm_power"
+    look = "in a hold the force sinks over all times at once, by as much on the way out as on the way back"
+
+    exponent: float = parameter(0.3, unit="1", low=0.02, high=3, scale="log", doc="slope of the decay, log-log")
+    tau_s: float = parameter(1.0, unit="s", low=0.01, high=300, scale="log", doc="when the power law sets in")
+
+    def decayed(self, x: FloatArray, dt_s: float) -> FloatArray:
+        return memory(x, *spectra.power(self.tau_s, self.exponent), dt_s)
+
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+        return STARTS_OF_A_POWER
 
 
 class StressRelaxationSeries(Effect):

@@ -17,6 +17,9 @@ from testbench.knit.mechanics.rate_stiffening import (
 )
 from testbench.knit.mechanics.relaxation import (
     StressRelaxation,
+    StressRelaxationArm,
+    StressRelaxationArmPower,
+    StressRelaxationFindley,
     StressRelaxationLog,
     StressRelaxationNonlinear,
     StressRelaxationPower,
@@ -53,6 +56,26 @@ def test_logarithmic_relaxation_after_a_step_loses_the_same_per_decade() -> None
     force = StressRelaxationLog(per_decade=0.06, tau_s=1.0).apply({"force_N": STEP}, DT_S)["force_N"]
     at = np.searchsorted(T, [1.0, 19.0, 199.0])
     np.testing.assert_allclose(force[at], 1 - 0.06 * np.log10(1 + T[at] - DT_S / 2), atol=2e-4)
+
+
+@pytest.mark.parametrize(
+    ("arm", "like"),
+    [
+        (StressRelaxationArm(tau_s=7.0), StressRelaxation(tau_s=7.0)),
+        (StressRelaxationArmPower(tau_s=2.0, exponent=0.4), StressRelaxationFindley(tau_s=2.0, exponent=0.4)),
+    ],
+    ids=["one time", "a power of time"],
+)
+def test_an_arm_relaxes_as_a_share_of_a_force_that_follows_its_curve_and_leaves_friction_alone(
+    arm: StressRelaxationArm | StressRelaxationArmPower, like: StressRelaxation | StressRelaxationFindley
+) -> None:
+    """A spring of 2 N at the span whose curve is the square of the strain, of which 0.3 is lost."""
+    strain, friction_N = 0.3 * np.sin(T / 9.0) ** 2, 0.2 * np.sign(np.cos(T / 9.0))
+    spring_N = 2.0 * (strain / 0.3) ** 2
+    alone_N = like.replaced(fraction=0.3).apply({"force_N": spring_N}, DT_S)["force_N"]
+    arm = arm.replaced(arm_force_N=0.6, power=2.0, span=0.3)
+    force_N = arm.apply({"strain": strain, "force_N": spring_N + friction_N}, DT_S)["force_N"]
+    np.testing.assert_allclose(force_N, alone_N + friction_N, atol=1e-12)
 
 
 def test_nonlinear_relaxation_of_half_the_force_loses_less_than_half() -> None:
