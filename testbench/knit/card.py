@@ -100,12 +100,13 @@ def _table(rows: list[dict[str, str]]) -> list[str]:
 
 
 def catalogue_text(catalogue: Catalogue) -> str:
-    """All effects by stage; further laws of a mechanism indented below its namesake."""
+    """All effects by stage; further laws of a mechanism indented below the first of them there."""
     lines = []
     for stage in Stage:
         lines.append(stage.name.lower())
         for laws in catalogue.mechanisms().values():
-            lines += [_entry(law, law is not laws[0]) for law in laws if law.stage is stage]
+            here = [law for law in laws if law.stage is stage]
+            lines += [_entry(law, law is not here[0]) for law in here]
         lines.append("")
     lines += [f"broken: {name}: {reason}" for name, reason in catalogue.broken.items()]
     count = len(catalogue.mechanisms())

@@ -184,8 +184,7 @@ class KnitModel(Unchanging):
             if isinstance(index, int) and index < 0:
                 change[key] = value
                 continue
-            if key not in change:
-                change[key] = list(getattr(self[effect], key))
+            change[key] = [*change.get(key, getattr(self[effect], key))]
             change[key][index] = value
         effects = dict(self.effects)
         for name, change in changes.items():

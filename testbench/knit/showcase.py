@@ -10,11 +10,11 @@ import numpy as np
 from gcode.support.colours import BLUE, GREY
 from gcode.support.files import atomic_path
 from testbench.knit.catalogue import baseline
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage
 from testbench.knit.model import KnitModel, inputs
 
 DT_S = 0.05
-VISIBLE = 0.15  # wanted change of the curve, as a share of its span
+VISIBLE, MOST_RAISES = 0.15, 15  # wanted change of the curve, as a share of its span; steps towards it
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def motion(period_s: float) -> tuple[FloatArray, FloatArray]:
 
 def slow(effect: Effect) -> bool:
     """Whether the effect needs minutes to show."""
-    times = [getattr(effect, key) for key in type(effect).model_fields if key.endswith("_s") and key != "when_s"]
+    times = [value for key, value in effect if key.endswith("_s") and key != "when_s" and isinstance(value, float)]
     return max(times, default=0.0) > 50 or effect.name in ("drift", "drift_power", "temperature_drift_trend")
 
 
@@ -58,53 +58,40 @@ def showcase(cls: type[Effect]) -> Showcase:
     effect = cls()
     time_s, strain = motion(60.0 if slow(effect) else 5.0)
     model = baseline().without("drift") if cls.stage is Stage.ELECTRICAL else baseline()
-    without = _curves(_without_namesake(model, effect), time_s, strain)
+    has_namesake = effect.name in model and bool(effect.strength)
+    without = _curves(model.without(effect.name) if has_namesake else model, time_s, strain)
     key = "force_N" if "force_N" in effect.writes or cls.stage is Stage.KINEMATICS else "conductance_S"
     scale, label = (1.0, "force / N") if key == "force_N" else (1e6, "conductance / µS")
-    effect = visible(model, effect, time_s, strain, key)
-    with_it = _curves(_with(model, effect), time_s, strain)
-    return Showcase(time_s, strain, scale * without[key], scale * with_it[key], label, effect)
-
-
-def _without_namesake(model: KnitModel, effect: Effect) -> KnitModel:
-    removable = effect.name in model and bool(effect.strength)
-    return model.without(effect.name) if removable else model
-
-
-def _with(model: KnitModel, effect: Effect) -> KnitModel:
-    if effect.name in model:
-        return model.replacing(effect.name, effect)
-    law = effect.stage is Stage.CONTACT and not effect.strength
-    return (model.without("contact") if law else model).plus(effect)
+    effect = _midway(effect, _curves(model, time_s, strain)) if effect.nonlinear else effect
+    with_it = _curves(model + effect, time_s, strain)[key]
+    for _ in range(MOST_RAISES):
+        raised = _raised(effect)
+        if raised == effect or np.max(np.abs(with_it - without[key])) > VISIBLE * np.ptp(without[key]):
+            break
+        effect, with_it = raised, _curves(model + raised, time_s, strain)[key]
+    return Showcase(time_s, strain, scale * without[key], scale * with_it, label, effect)
 
 
 def _curves(model: KnitModel, time_s: FloatArray, strain: FloatArray) -> dict[str, FloatArray]:
     return model.simulate(inputs(time_s, strain, 23 + 2 * np.sin(time_s / time_s[-1] * 6)), DT_S)
 
 
-def visible(model: KnitModel, effect: Effect, time_s: FloatArray, strain: FloatArray, key: str) -> Effect:
-    """The effect with its strength raised, within bounds, until the curve changes by `VISIBLE` of its span."""
+def _raised(effect: Effect) -> Effect:
+    """The effect with a strength 1.6 times as large, as far as its bounds go; weights begin as a wave."""
     if not effect.strength:
         return effect
-    if isinstance(weights := getattr(effect, effect.strength), tuple):
-        return effect.replaced(**{effect.strength: tuple(0.6 * np.sin(np.linspace(0, 6, len(weights))))})
-    extra = bounds_of(type(effect).model_fields[effect.strength])
-    plain = _curves(_without_namesake(model, effect), time_s, strain)[key]
-    effect = _midway(effect, _curves(model, time_s, strain)) if effect.nonlinear else effect
-    for _ in range(12):
-        changed = _curves(_with(model, effect), time_s, strain)[key]
-        share = float(np.max(np.abs(changed - plain)) / np.ptp(plain))
-        strength = getattr(effect, effect.strength) * 1.6
-        if share > VISIBLE or not extra["low"] <= strength <= extra["high"]:
-            break
-        effect = effect.replaced(**{effect.strength: strength})
-    return effect
+    strength = getattr(effect, effect.strength)
+    if isinstance(strength, float):
+        return effect.near(**{effect.strength: 1.6 * strength})
+    wave = 0.01 * np.sin(np.linspace(1, 6, len(strength)))
+    return effect.near(**{effect.strength: tuple(1.6 * np.array(strength) if any(strength) else wave)})
 
 
 def _midway(effect: Effect, signals: Signals) -> Effect:
-    """The effect in the middle of its starts on these signals: a level, a limit that they reach."""
+    """The effect in the middle of its starts on these signals, where its level or limit is reached."""
     points = effect.starting_points(signals, {})
-    return effect.near(**points[len(points) // 2]) if points else effect
+    middle = points[len(points) // 2] if points else {}
+    return effect.near(**{key: value for key, value in middle.items() if key != effect.strength})
 
 
 def draw(cls: type[Effect], path: Path) -> None:

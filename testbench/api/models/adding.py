@@ -115,12 +115,30 @@ def no_longer_pays(found: FitResult, added: str) -> list[str]:
     found : FitResult
         Of `add`.
     added : str
-        The effect that came last; it is not asked about.
+        The effect that came last; it is not asked about, nor is a second one of the same law.
     """
     # A law without a strength (piezoresistance in place of contact) makes a signal that others need.
-    laws = {name for name in found.model if not found.model[name].strength}
-    optional = set(found.model) - set(BASELINE) - laws - {added}
+    effects = found.model.effects.items()
+    optional = {name for name, one in effects if one.strength and one.name != added} - set(BASELINE)
     return idle_effects(found.file, found.calibration, found.held_out, optional)
+
+
+def replaced(model: AnyModel, found: FitResult, effects: Effects = None) -> list[str]:
+    """Laws of a model that `add` took out, for the one that was added stands in their place.
+
+    Parameters
+    ----------
+    model : KnitModel, result or path
+        As it was before.
+    found : FitResult
+        Of `add`.
+    effects : path, Catalogue or effect classes, optional
+    """
+    return sorted(_laws(model, effects) - _laws(found, effects))
+
+
+def _laws(model: AnyModel, effects: Effects) -> set[str]:
+    return {effect.name for effect in model_file_of(model, catalogue_of(effects)).model.effects.values()}
 
 
 def laws_with(diagnosis: Mapping[str, Any], law: str, model: AnyModel, effects: Effects = None) -> list[str]:
@@ -135,6 +153,6 @@ def laws_with(diagnosis: Mapping[str, Any], law: str, model: AnyModel, effects: 
         What it has already is left out.
     effects : path, Catalogue or effect classes, optional
     """
-    has = {effect.name for effect in model_file_of(model, catalogue_of(effects)).model.effects.values()}
+    has = _laws(model, effects)
     wanted = [*diagnosis.get("other_laws", ()), *diagnosis.get("base_misfits", ()), law]
     return [name for name in wanted if name not in has]

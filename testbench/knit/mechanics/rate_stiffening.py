@@ -126,7 +126,8 @@ class ViscousRateStiffeningLog(RateFactor):
     F *= 1 + gain * ln(1 + |e'| / rate0)
 
     Source: Johnson & Cook, Proc. 7th Int. Symp. on Ballistics (1983) 541 (rate factor), smoothed at zero rate.
-    Valid: stretching and releasing alike.
+    Valid: out and back about as fast: where the way back is faster, any factor of the speed alone gives more work
+    than it took, in proportion to `gain`, as no material can.
     """
 
     name = "viscous_rate_stiffening_log"
@@ -173,7 +174,7 @@ class ViscousRateStiffeningMagnitude(RateFactor):
     F *= 1 + gain * (|e'| / 0.1 per s)^exponent
 
     Source: as `viscous_rate_stiffening_power`, written for the magnitude of the rate.
-    Valid: as there.
+    Valid: as `viscous_rate_stiffening_log`.
     """
 
     name = "viscous_rate_stiffening_magnitude"

@@ -258,7 +258,7 @@ class StressRelaxationArm(RelaxingArm):
     """
 
     name = "stress_relaxation_arm"
-    look = "in a hold the force sinks by as much on the way out as on the way back"
+    look = "in a hold the force sinks, but for what the friction makes of it, which stays"
 
     # What is quicker shows in no hold: it is a stiffening with the rate.
     tau_s: float = parameter(10.0, unit="s", low=0.5, high=3000, scale="log", doc="time in which 63 % of it is lost")
@@ -277,7 +277,7 @@ class StressRelaxationArmPower(RelaxingArm):
     """
 
     name = "stress_relaxation_arm_power"
-    look = "in a hold the force sinks over all times at once, by as much on the way out as on the way back"
+    look = "in a hold the force sinks over all times at once, but for what the friction makes of it, which stays"
 
     exponent: float = parameter(0.3, unit="1", low=0.02, high=3, scale="log", doc="slope of the decay, log-log")
     tau_s: float = parameter(1.0, unit="s", low=0.01, high=300, scale="log", doc="when the power law sets in")

@@ -4,10 +4,18 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 
+from testbench.api.models import adding
+from testbench.api.models.fitting import FitResult
 from testbench.cli import main
+from testbench.knit.catalogue import baseline
+from testbench.knit.mechanics.damage import MullinsSoftening
+from testbench.knit.mechanics.relaxation import StressRelaxation
+from testbench.knit.model import KnitModel
 from testbench.recordings.files import write_recording_csv
 from testbench.recordings.recording import Recording
 
@@ -27,10 +35,21 @@ def test_adding_never_tries_to_leave_out_the_law_that_makes_the_conductance(tmp_
     assert "piezoresistance" in Path(model).read_text()
     assert main(["add", "piezoresistance", "--model", model, "--fit", recording, "-o", model]) == 2
     assert "add piezoresistance: the model has this law already" in capsys.readouterr().err
+    assert main(["add", "piezoresistance_tunnelling", "--model", model, "--fit", recording, "-o", f"{model}2"]) == 0
+    assert "piezoresistance_tunnelling takes the place of piezoresistance: a model has" in capsys.readouterr().out
     assert main(["add", "channel_lag", "--model", model, "--fit", recording, "-o", model]) == 0
+    assert "takes the place" not in capsys.readouterr().out
     assert [step["step"] for step in json.loads(Path(model).read_text())["history"]] == ["baseline", "+ channel_lag"]
 
 
 def test_undo_takes_no_effect(tmp_path: Path, capsys) -> None:
     assert main(["add", "--undo", "drift", "--model", "absent.json", "-o", str(tmp_path / "m.json")]) == 2
     assert "takes the last step back, whatever it was" in capsys.readouterr().err
+
+
+def test_an_effect_that_was_just_added_is_not_asked_whether_it_still_pays(monkeypatch) -> None:
+    """A second one of a law has a number behind its name."""
+    monkeypatch.setattr(adding, "idle_effects", lambda *given: sorted(given[-1]))
+    model = KnitModel.of(*baseline().effects.values(), StressRelaxation(), StressRelaxation(), MullinsSoftening())
+    found = cast(FitResult, SimpleNamespace(model=model, file=None, calibration=None, held_out=None))
+    assert adding.no_longer_pays(found, "stress_relaxation") == ["mullins_softening"]

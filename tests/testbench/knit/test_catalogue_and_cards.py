@@ -71,6 +71,16 @@ def test_list_names_every_effect() -> None:
     assert catalogue_markdown(CATALOGUE).count("\n") == len(CATALOGUE.effects) + 1
 
 
+def test_the_list_puts_no_law_below_one_of_another_mechanism() -> None:
+    above = None
+    for name in re.findall(r"^ +\w+", catalogue_text(CATALOGUE), re.MULTILINE):
+        law = CATALOGUE[name.strip()]
+        if name.startswith("    "):
+            assert above is not None
+            assert (law.mechanism, law.stage) == (above.mechanism, above.stage)
+        above = law
+
+
 def test_the_page_of_effects_is_made_from_the_catalogue() -> None:
     settings = runpy.run_path("docs/conf.py")
     source = [Path("docs/effects.md").read_text(encoding="utf-8")]
@@ -79,7 +89,7 @@ def test_the_page_of_effects_is_made_from_the_catalogue() -> None:
     assert sorted(listed) == sorted(CATALOGUE.effects)
 
 
-@pytest.mark.parametrize("name", [name for name in NAMED if not CATALOGUE[name].nonlinear])
+@pytest.mark.parametrize("name", [name for name, law in CATALOGUE.effects.items() if law.strength])
 def test_showcase_shows_the_effect(name: str) -> None:
     case = showcase(CATALOGUE[name])
     assert np.max(np.abs(case.with_it - case.without)) > 0.5 * VISIBLE * np.ptp(case.without)

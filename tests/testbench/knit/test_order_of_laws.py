@@ -36,3 +36,10 @@ def test_a_saved_effect_without_a_name_has_its_own() -> None:
     data = BASE.to_dict()
     data["effects"][1]["name"] = ""
     assert model_from_dict(data, load_catalogue()) == BASE
+
+
+def test_a_whole_vector_and_one_of_its_numbers_may_be_changed_at_once() -> None:
+    law = EFFECTS["stress_relaxation_prony"]
+    whole = {"stress_relaxation_prony.fractions": (0.1,) * 7, "stress_relaxation_prony.fractions[2]": 0.3}
+    changed = KnitModel.of(law()).with_parameters(whole)["stress_relaxation_prony"]
+    assert changed == law(fractions=(0.1, 0.1, 0.3, 0.1, 0.1, 0.1, 0.1))

@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 
 from testbench.knit import spectra
+from testbench.knit.catalogue import load_catalogue
+from testbench.knit.effect import Stage
 from testbench.knit.filters import hold_coefficients, lowpass, memory, rate
+from testbench.knit.mechanics.elasticity import Elasticity
 from testbench.knit.mechanics.rate_stiffening import (
     ViscousRateStiffening,
     ViscousRateStiffeningEyring,
@@ -27,6 +30,7 @@ from testbench.knit.mechanics.relaxation import (
     StressRelaxationSpectrum,
     StressRelaxationTwoTimes,
 )
+from testbench.knit.model import KnitModel, inputs
 
 DT_S = 0.05
 T = np.arange(0, 200, DT_S)
@@ -212,3 +216,21 @@ def test_two_times_are_the_sum_of_their_terms() -> None:
     lost = [RAMP_AND_HOLD - term.apply({"force_N": RAMP_AND_HOLD}, DT_S)["force_N"] for term in terms]
     force = both.apply({"force_N": RAMP_AND_HOLD}, DT_S)["force_N"]
     np.testing.assert_allclose(RAMP_AND_HOLD - force, sum(lost), atol=1e-12)
+
+
+WITH_WORK_TO_GIVE = {"viscous_rate_stiffening_log", "viscous_rate_stiffening_magnitude"}  # see what they say of it
+
+
+@pytest.mark.parametrize("slow_back", [False, True])
+def test_a_closed_cycle_takes_work_whatever_law_the_force_follows(slow_back: bool) -> None:
+    dt_s, period_s, cycles = 0.02, 10.5, 12
+    time_s = np.arange(0, cycles * period_s + dt_s / 2, dt_s)
+    strain = np.interp(time_s % period_s, [0, 0.5 if slow_back else 10, period_s], [0, 0.3, 0])
+    last = slice(round((cycles - 1) * period_s / dt_s), None)
+    laws = load_catalogue().effects.values()
+    giving = set()
+    for law in (law for law in laws if law.stage is Stage.MECHANICS and law is not Elasticity):
+        force_N = KnitModel.of(Elasticity(), law()).simulate(inputs(time_s, strain), dt_s)["force_N"]
+        if np.trapezoid(force_N[last], strain[last]) < -1e-3 * np.ptp(force_N):
+            giving.add(law.name)
+    assert giving == (set() if slow_back else WITH_WORK_TO_GIVE)
