@@ -14,19 +14,13 @@ from __future__ import annotations
 from typing import cast
 
 from gcode.support.lazy import lazy_exports
-from testbench.knit.catalogue import BUILT_IN
+from testbench.knit.catalogue import LAWS
 from testbench.knit.effect import Effect
+from testbench.knit.effect_names import class_name
 
 
-def _homes() -> dict[str, list[str]]:
-    homes: dict[str, list[str]] = {}
-    for target in BUILT_IN.values():
-        module, _, name = target.partition(":")
-        homes.setdefault(module, []).append(name)
-    return homes
-
-
-__all__, _get, __dir__ = lazy_exports(__name__, _homes())
+_homes = {f"testbench.knit.{file}": [class_name(name) for name in names.split()] for file, names in LAWS.items()}
+__all__, _get, __dir__ = lazy_exports(__name__, _homes)
 
 
 def __getattr__(name: str) -> type[Effect]:

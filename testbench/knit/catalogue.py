@@ -1,4 +1,4 @@
-"""The catalogue: name of an effect -> its class. A new built-in effect is one line in `BUILT_IN`."""
+"""The catalogue: name of an effect -> its class. A new built-in effect is one name in `LAWS`."""
 
 from __future__ import annotations
 
@@ -15,162 +15,83 @@ from typing import Any
 from gcode.support.errors import UserError
 from gcode.support.strict import read_bytes
 from testbench.knit.effect import Effect
-from testbench.knit.effect_names import check_free
+from testbench.knit.effect_names import check_free, class_name
 from testbench.knit.model import FORMAT, FORMAT_VERSION, KnitModel, by_stage
 
-BUILT_IN = {
-    # the baseline
-    "elasticity": "testbench.knit.mechanics.elasticity:Elasticity",
-    "hysteresis": "testbench.knit.mechanics.hysteresis:Hysteresis",
-    "contact": "testbench.knit.conduction.contact:Contact",
-    "contact_drive": "testbench.knit.conduction.pressure:ContactDrive",
-    "drift": "testbench.knit.conduction.electrical:Drift",
-    # other laws of the baseline's mechanisms
-    "elasticity_cubic": "testbench.knit.mechanics.elasticity:ElasticityCubic",
-    "elasticity_ogden": "testbench.knit.mechanics.elasticity:ElasticityOgden",
-    "elasticity_two_slopes": "testbench.knit.mechanics.elasticity:ElasticityTwoSlopes",
-    "elasticity_gent": "testbench.knit.mechanics.elasticity:ElasticityGent",
-    "hysteresis_on_tension": "testbench.knit.mechanics.hysteresis:HysteresisOnTension",
-    "hysteresis_bouc_wen": "testbench.knit.mechanics.hysteresis:HysteresisBoucWen",
-    "drift_exponential": "testbench.knit.conduction.electrical:DriftExponential",
-    "drift_power": "testbench.knit.conduction.electrical:DriftPower",
-    "coating_wear": "testbench.knit.conduction.electrical:CoatingWear",
-    "coating_wear_running_in": "testbench.knit.conduction.electrical:CoatingWearRunningIn",
-    "coating_wear_through": "testbench.knit.conduction.electrical:CoatingWearThrough",
-    "coating_wear_load": "testbench.knit.conduction.electrical:CoatingWearLoad",
-    "coating_wear_weibull": "testbench.knit.conduction.electrical:CoatingWearWeibull",
-    "coating_cracks": "testbench.knit.conduction.electrical:CoatingCracks",
-    "coating_cracks_weibull": "testbench.knit.conduction.electrical:CoatingCracksWeibull",
-    "electrical_hysteresis": "testbench.knit.conduction.electrical:ElectricalHysteresis",
-    "buckling": "testbench.knit.mechanics.buckling:Buckling",
-    "force_age": "testbench.knit.readout.reading_age:ForceAge",
-    "conductance_age": "testbench.knit.readout.reading_age:ConductanceAge",
-    "displacement_zeros": "testbench.knit.kinematics.mounting:DisplacementZeros",
-    "force_zeros": "testbench.knit.kinematics.mounting:ForceZeros",
-    # kinematics
-    "permanent_set": "testbench.knit.kinematics.permanent_set:PermanentSet",
-    "permanent_set_yield": "testbench.knit.kinematics.permanent_set:PermanentSetYield",
-    "permanent_set_recovering": "testbench.knit.kinematics.permanent_set:PermanentSetRecovering",
-    "permanent_set_worked": "testbench.knit.kinematics.permanent_set:PermanentSetWorked",
-    "permanent_set_viscoplastic": "testbench.knit.kinematics.permanent_set:PermanentSetViscoplastic",
-    "permanent_set_creep": "testbench.knit.kinematics.permanent_set:PermanentSetCreep",
-    "clamp_slip": "testbench.knit.kinematics.slip:ClampSlip",
-    "clamp_slip_repeated": "testbench.knit.kinematics.slip:ClampSlipRepeated",
-    "clamp_slip_once": "testbench.knit.kinematics.slip:ClampSlipOnce",
-    "clamp_slip_sliding": "testbench.knit.kinematics.slip:ClampSlipSliding",
-    "clamp_slip_events": "testbench.knit.kinematics.slip:ClampSlipEvents",
-    "actuator_backlash": "testbench.knit.kinematics.grip:ActuatorBacklash",
-    "actuator_backlash_windup": "testbench.knit.kinematics.grip:ActuatorBacklashWindup",
-    "actuator_backlash_compensated": "testbench.knit.kinematics.grip:ActuatorBacklashCompensated",
-    "leadscrew_ripple": "testbench.knit.kinematics.grip:LeadscrewRipple",
-    "leadscrew_ripple_wave": "testbench.knit.kinematics.grip:LeadscrewRippleWave",
-    "slack": "testbench.knit.kinematics.grip:Slack",
-    "slack_gradual": "testbench.knit.kinematics.grip:SlackGradual",
-    # mechanics
-    "stress_relaxation": "testbench.knit.mechanics.relaxation:StressRelaxation",
-    "stress_relaxation_two_times": "testbench.knit.mechanics.relaxation:StressRelaxationTwoTimes",
-    "stress_relaxation_spectrum": "testbench.knit.mechanics.relaxation:StressRelaxationSpectrum",
-    "stress_relaxation_findley": "testbench.knit.mechanics.relaxation:StressRelaxationFindley",
-    "stress_relaxation_power": "testbench.knit.mechanics.relaxation:StressRelaxationPower",
-    "stress_relaxation_log": "testbench.knit.mechanics.relaxation:StressRelaxationLog",
-    "stress_relaxation_nonlinear": "testbench.knit.mechanics.relaxation:StressRelaxationNonlinear",
-    "stress_relaxation_arm": "testbench.knit.mechanics.relaxation:StressRelaxationArm",
-    "stress_relaxation_arm_power": "testbench.knit.mechanics.relaxation:StressRelaxationArmPower",
-    "stress_relaxation_series": "testbench.knit.mechanics.relaxation:StressRelaxationSeries",
-    "stress_relaxation_prony": "testbench.knit.mechanics.relaxation:StressRelaxationProny",
-    "viscous_rate_stiffening": "testbench.knit.mechanics.rate_stiffening:ViscousRateStiffening",
-    "viscous_rate_stiffening_maxwell": "testbench.knit.mechanics.rate_stiffening:ViscousRateStiffeningMaxwell",
-    "viscous_rate_stiffening_eyring": "testbench.knit.mechanics.rate_stiffening:ViscousRateStiffeningEyring",
-    "viscous_rate_stiffening_log": "testbench.knit.mechanics.rate_stiffening:ViscousRateStiffeningLog",
-    "viscous_rate_stiffening_power": "testbench.knit.mechanics.rate_stiffening:ViscousRateStiffeningPower",
-    "viscous_rate_stiffening_magnitude": "testbench.knit.mechanics.rate_stiffening:ViscousRateStiffeningMagnitude",
-    "viscous_rate_stiffening_relative": "testbench.knit.mechanics.rate_stiffening:ViscousRateStiffeningRelative",
-    "viscous_rate_stiffening_curve": "testbench.knit.mechanics.rate_stiffening:ViscousRateStiffeningCurve",
-    "mullins_softening": "testbench.knit.mechanics.damage:MullinsSoftening",
-    "mullins_softening_damage": "testbench.knit.mechanics.damage:MullinsSofteningDamage",
-    "mullins_softening_power": "testbench.knit.mechanics.damage:MullinsSofteningPower",
-    "mullins_softening_healing": "testbench.knit.mechanics.damage:MullinsSofteningHealing",
-    "mullins_softening_curve": "testbench.knit.mechanics.damage:MullinsSofteningCurve",
-    "cyclic_fatigue": "testbench.knit.mechanics.damage:CyclicFatigue",
-    "cyclic_fatigue_log": "testbench.knit.mechanics.damage:CyclicFatigueLog",
-    "cyclic_fatigue_weibull": "testbench.knit.mechanics.damage:CyclicFatigueWeibull",
-    "cyclic_fatigue_swings": "testbench.knit.mechanics.damage:CyclicFatigueSwings",
-    "jamming_stiffening": "testbench.knit.mechanics.jamming:JammingStiffening",
-    "jamming_stiffening_locking": "testbench.knit.mechanics.jamming:JammingStiffeningLocking",
-    "jamming_stiffening_power": "testbench.knit.mechanics.jamming:JammingStiffeningPower",
-    # contact and electrical
-    "contact_relaxation": "testbench.knit.conduction.contact_relaxation:ContactRelaxation",
-    "contact_relaxation_spectrum": "testbench.knit.conduction.contact_relaxation:ContactRelaxationSpectrum",
-    "contact_relaxation_prony": "testbench.knit.conduction.contact_relaxation:ContactRelaxationProny",
-    "contact_relaxation_asymmetric": "testbench.knit.conduction.contact_relaxation:ContactRelaxationAsymmetric",
-    "contact_relaxation_spots": "testbench.knit.conduction.contact_relaxation:ContactRelaxationSpots",
-    "contact_relaxation_activated": "testbench.knit.conduction.contact_relaxation:ContactRelaxationActivated",
-    "electrical_overshoot_force": "testbench.knit.conduction.contact_relaxation:ElectricalOvershootForce",
-    "contact_creep": "testbench.knit.conduction.contact_relaxation:ContactCreep",
-    "contact_ageing": "testbench.knit.conduction.ageing:ContactAgeing",
-    "contact_saturation": "testbench.knit.conduction.pressure:ContactSaturation",
-    "contact_saturation_hard": "testbench.knit.conduction.pressure:ContactSaturationHard",
-    "contact_saturation_bend": "testbench.knit.conduction.pressure:ContactSaturationBend",
-    "contact_hysteresis": "testbench.knit.conduction.pressure:ContactHysteresis",
-    "piezoresistance": "testbench.knit.conduction.piezoresistance:Piezoresistance",
-    "yarn_elongation": "testbench.knit.conduction.piezoresistance:YarnElongation",
-    "yarn_elongation_power": "testbench.knit.conduction.piezoresistance:YarnElongationPower",
-    "piezoresistance_tunnelling": "testbench.knit.conduction.piezoresistance:PiezoresistanceTunnelling",
-    "piezoresistance_percolation": "testbench.knit.conduction.piezoresistance:PiezoresistancePercolation",
-    "electrical_overshoot": "testbench.knit.conduction.transient:ElectricalOvershoot",
-    "electrical_overshoot_conductance": "testbench.knit.conduction.transient:ElectricalOvershootConductance",
-    "electrical_overshoot_prony": "testbench.knit.conduction.transient:ElectricalOvershootProny",
-    "electrical_overshoot_magnitude": "testbench.knit.conduction.breaking:ElectricalOvershootMagnitude",
-    "electrical_overshoot_two_ways": "testbench.knit.conduction.breaking:ElectricalOvershootTwoWays",
-    "electrical_overshoot_two_ways_prony": "testbench.knit.conduction.breaking:ElectricalOvershootTwoWaysProny",
-    "electrical_overshoot_motion": "testbench.knit.conduction.transient:ElectricalOvershootMotion",
-    "electrical_overshoot_reversal": "testbench.knit.conduction.turning:ElectricalOvershootReversal",
-    "electrical_overshoot_turn": "testbench.knit.conduction.turning:ElectricalOvershootTurn",
-    "electrical_overshoot_anew": "testbench.knit.conduction.turning:ElectricalOvershootAnew",
-    "shoulder_peak": "testbench.knit.conduction.transient:ShoulderPeak",
-    "shoulder_peak_anywhere": "testbench.knit.conduction.transient:ShoulderPeakAnywhere",
-    "shoulder_peak_after_turn": "testbench.knit.conduction.transient:ShoulderPeakAfterTurn",
-    "shoulder_peak_way_back": "testbench.knit.conduction.transient:ShoulderPeakWayBack",
-    "rate_resistance": "testbench.knit.conduction.transient:RateResistance",
-    "rate_resistance_magnitude": "testbench.knit.conduction.transient:RateResistanceMagnitude",
-    "rate_resistance_two_ways": "testbench.knit.conduction.transient:RateResistanceTwoWays",
-    "self_heating": "testbench.knit.conduction.heat:SelfHeating",
-    "self_heating_two_masses": "testbench.knit.conduction.heat:SelfHeatingTwoMasses",
-    "self_heating_prony": "testbench.knit.conduction.heat:SelfHeatingProny",
-    "self_heating_current": "testbench.knit.conduction.heat:SelfHeatingCurrent",
-    "self_heating_divider": "testbench.knit.conduction.heat:SelfHeatingDivider",
-    "temperature_drift": "testbench.knit.conduction.heat:TemperatureDrift",
-    "temperature_drift_trend": "testbench.knit.conduction.heat:TemperatureDriftTrend",
-    "temperature_drift_wander": "testbench.knit.conduction.heat:TemperatureDriftWander",
-    "thermal_softening": "testbench.knit.conduction.heat:ThermalSoftening",
-    "thermal_softening_wander": "testbench.knit.conduction.heat:ThermalSofteningWander",
-    # read-out
-    "channel_lag": "testbench.knit.readout.channel_lag:ChannelLag",
-    "channel_lag_resistance": "testbench.knit.readout.channel_lag:ChannelLagResistance",
-    "channel_lag_two_filters": "testbench.knit.readout.channel_lag:ChannelLagTwoFilters",
-    "channel_lag_force": "testbench.knit.readout.channel_lag:ChannelLagForce",
-    "channel_lag_force_two_filters": "testbench.knit.readout.channel_lag:ChannelLagForceTwoFilters",
-    "channel_lag_force_delay": "testbench.knit.readout.channel_lag:ChannelLagForceDelay",
-    "channel_lag_delay": "testbench.knit.readout.channel_lag:ChannelLagDelay",
-    "adc_saturation": "testbench.knit.readout.adc_saturation:AdcSaturation",
-    "adc_saturation_high": "testbench.knit.readout.adc_saturation:AdcSaturationHigh",
-    "adc_saturation_soft": "testbench.knit.readout.adc_saturation:AdcSaturationSoft",
-    "adc_saturation_force": "testbench.knit.readout.adc_saturation:AdcSaturationForce",
-    "load_cell_creep": "testbench.knit.readout.load_cell:LoadCellCreep",
-    "load_cell_creep_two_times": "testbench.knit.readout.load_cell:LoadCellCreepTwoTimes",
-    "load_cell_creep_log": "testbench.knit.readout.load_cell:LoadCellCreepLog",
-    "load_cell_zero_drift": "testbench.knit.readout.load_cell:LoadCellZeroDrift",
-    "periodic_interference": "testbench.knit.readout.interference:PeriodicInterference",
-    "periodic_interference_wave": "testbench.knit.readout.interference:PeriodicInterferenceWave",
-    "periodic_interference_force": "testbench.knit.readout.interference:PeriodicInterferenceForce",
-    # shape freedom of the base laws
-    "elasticity_shape": "testbench.knit.shapes.base_laws:ElasticityShape",
-    "hysteresis_shape": "testbench.knit.shapes.base_laws:HysteresisShape",
-    "contact_shape": "testbench.knit.shapes.base_laws:ContactShape",
-    "drift_shape": "testbench.knit.shapes.base_laws:DriftShape",
-    "contact_drift_shape": "testbench.knit.shapes.base_laws:ContactDriftShape",
-    "contact_loops_shape": "testbench.knit.shapes.base_laws:ContactLoopsShape",
+# Names of the effects by the file of their classes: `mullins_softening` is `MullinsSoftening`. Of a mechanism, the law
+# that is called like it comes first.
+LAWS = {
+    "mechanics.elasticity": "elasticity elasticity_cubic elasticity_ogden elasticity_two_slopes elasticity_gent",
+    "mechanics.hysteresis": "hysteresis hysteresis_on_tension hysteresis_bouc_wen",
+    "conduction.contact": "contact",
+    "conduction.pressure": (
+        "contact_drive contact_saturation contact_saturation_hard contact_saturation_bend contact_hysteresis"
+    ),
+    "conduction.electrical": (
+        "drift drift_exponential drift_power coating_wear coating_wear_running_in coating_wear_through "
+        "coating_wear_load coating_wear_weibull coating_cracks coating_cracks_weibull electrical_hysteresis"
+    ),
+    "mechanics.buckling": "buckling",
+    "readout.reading_age": "force_age conductance_age",
+    "kinematics.mounting": "displacement_zeros force_zeros",
+    "kinematics.permanent_set": (
+        "permanent_set permanent_set_yield permanent_set_recovering permanent_set_worked "
+        "permanent_set_viscoplastic permanent_set_creep"
+    ),
+    "kinematics.slip": "clamp_slip clamp_slip_repeated clamp_slip_once clamp_slip_sliding clamp_slip_events",
+    "kinematics.grip": (
+        "actuator_backlash actuator_backlash_windup actuator_backlash_compensated leadscrew_ripple "
+        "leadscrew_ripple_wave slack slack_gradual"
+    ),
+    "mechanics.relaxation": (
+        "stress_relaxation stress_relaxation_two_times stress_relaxation_spectrum stress_relaxation_findley "
+        "stress_relaxation_power stress_relaxation_log stress_relaxation_nonlinear stress_relaxation_arm "
+        "stress_relaxation_arm_power stress_relaxation_series stress_relaxation_prony"
+    ),
+    "mechanics.rate_stiffening": (
+        "viscous_rate_stiffening viscous_rate_stiffening_maxwell viscous_rate_stiffening_eyring "
+        "viscous_rate_stiffening_log viscous_rate_stiffening_power viscous_rate_stiffening_magnitude "
+        "viscous_rate_stiffening_relative viscous_rate_stiffening_curve"
+    ),
+    "mechanics.damage": (
+        "mullins_softening mullins_softening_damage mullins_softening_power mullins_softening_healing "
+        "mullins_softening_curve cyclic_fatigue cyclic_fatigue_log cyclic_fatigue_weibull cyclic_fatigue_swings"
+    ),
+    "mechanics.jamming": "jamming_stiffening jamming_stiffening_locking jamming_stiffening_power",
+    "conduction.contact_relaxation": (
+        "contact_relaxation contact_relaxation_spectrum contact_relaxation_prony contact_relaxation_asymmetric "
+        "contact_relaxation_spots contact_relaxation_activated electrical_overshoot_force contact_creep"
+    ),
+    "conduction.ageing": "contact_ageing",
+    "conduction.piezoresistance": (
+        "piezoresistance yarn_elongation yarn_elongation_power piezoresistance_tunnelling piezoresistance_percolation"
+    ),
+    "conduction.transient": (
+        "electrical_overshoot electrical_overshoot_conductance electrical_overshoot_prony "
+        "electrical_overshoot_motion shoulder_peak shoulder_peak_anywhere shoulder_peak_after_turn "
+        "shoulder_peak_way_back rate_resistance rate_resistance_magnitude rate_resistance_two_ways"
+    ),
+    "conduction.breaking": (
+        "electrical_overshoot_magnitude electrical_overshoot_two_ways electrical_overshoot_two_ways_prony"
+    ),
+    "conduction.turning": "electrical_overshoot_reversal electrical_overshoot_turn electrical_overshoot_anew",
+    "conduction.heat": (
+        "self_heating self_heating_two_masses self_heating_prony self_heating_current self_heating_divider "
+        "temperature_drift temperature_drift_trend temperature_drift_wander thermal_softening "
+        "thermal_softening_wander"
+    ),
+    "readout.channel_lag": (
+        "channel_lag channel_lag_resistance channel_lag_two_filters channel_lag_force "
+        "channel_lag_force_two_filters channel_lag_force_delay channel_lag_delay"
+    ),
+    "readout.adc_saturation": "adc_saturation adc_saturation_high adc_saturation_soft adc_saturation_force",
+    "readout.load_cell": "load_cell_creep load_cell_creep_two_times load_cell_creep_log load_cell_zero_drift",
+    "readout.interference": "periodic_interference periodic_interference_wave periodic_interference_force",
+    "shapes.base_laws": (
+        "elasticity_shape hysteresis_shape contact_shape drift_shape contact_drift_shape contact_loops_shape"
+    ),
 }
+BUILT_IN = {name: file for file, names in LAWS.items() for name in names.split()}
 BASELINE = ("elasticity", "hysteresis", "contact", "drift")
 ENTRY_POINT_GROUP = "knitbench.effects"
 
@@ -232,9 +153,8 @@ def load_catalogue(user_file: str | Path | None = None) -> Catalogue:
         it replace an effect that models elsewhere mean by that name.
     """
     catalogue = Catalogue()
-    for name, target in BUILT_IN.items():
-        module, _, attribute = target.partition(":")
-        catalogue.effects[name] = getattr(importlib.import_module(module), attribute)
+    for name, file in BUILT_IN.items():
+        catalogue.effects[name] = getattr(importlib.import_module(f"testbench.knit.{file}"), class_name(name))
     for point in entry_points(group=ENTRY_POINT_GROUP):
         try:
             catalogue.add(point.load(), point.name)

@@ -2,7 +2,7 @@
 
 A signal is a whole array on a uniform time grid. An effect reads some signals and returns new arrays for the
 ones it writes; it keeps no state between calls and changes nothing in place. Adding an effect to knitbench
-takes one class, one line in `catalogue.py`, and no test: the rules in ``tests/testbench/knit/test_rules.py``
+takes one class, its name in `catalogue.py`, and no test: the rules in ``tests/testbench/knit/test_rules.py``
 hold for every registered effect.
 
 Signals by stage
