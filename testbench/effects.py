@@ -18,7 +18,6 @@ from testbench.knit.catalogue import LAWS
 from testbench.knit.effect import Effect
 from testbench.knit.effect_names import class_name
 
-
 _homes = {f"testbench.knit.{file}": [class_name(name) for name in names.split()] for file, names in LAWS.items()}
 __all__, _get, __dir__ = lazy_exports(__name__, _homes)
 

@@ -18,8 +18,8 @@ from testbench.knit.effect import Effect
 from testbench.knit.effect_names import check_free, class_name
 from testbench.knit.model import FORMAT, FORMAT_VERSION, KnitModel, by_stage
 
-# Names of the effects by the file of their classes: `mullins_softening` is `MullinsSoftening`. Of a mechanism, the law
-# that is called like it comes first.
+# Names of the effects by the file of their classes: `mullins_softening` is `MullinsSoftening`. Of a mechanism, the
+# law that is called like it comes first.
 LAWS = {
     "mechanics.elasticity": "elasticity elasticity_cubic elasticity_ogden elasticity_two_slopes elasticity_gent",
     "mechanics.hysteresis": "hysteresis hysteresis_on_tension hysteresis_bouc_wen",
