@@ -32,7 +32,11 @@ class Law:
 
 @dataclass(frozen=True)
 class BaseWorld:
-    """The four laws: all that the chain needs."""
+    """The four laws: all that the chain needs.
+
+    Force over strain and friction force over its history [N]; ln conductance over contact force and strain, and over
+    time.
+    """
 
     name: str
     elasticity: Law
@@ -73,9 +77,6 @@ def soft_positive(x: FloatArray, width: float) -> FloatArray:
     return width * np.logaddexp(0.0, x / width)
 
 
-# --- elasticity: force over strain ---
-
-
 def _fung(p: Parameters, e: FloatArray) -> FloatArray:
     return p["offset"] + p["slope"] * np.expm1(p["bend"] * e) / p["bend"]
 
@@ -110,9 +111,6 @@ def _draw_elasticity(family: str, rng: np.random.Generator) -> Law:
     )
 
 
-# --- hysteresis: friction force over the history of strain ---
-
-
 def _slip_elements(p: Parameters, e: FloatArray) -> FloatArray:
     count = sum(name.startswith("width") for name in p)
     total = np.zeros_like(e)
@@ -143,9 +141,6 @@ def _draw_hysteresis(family: str, stiffness: float, rng: np.random.Generator) ->
         "growth": rng.uniform(0, 4),
     }
     return Law("bouc_wen", p, _bouc_wen)
-
-
-# --- contact: ln conductance over contact force (and strain) ---
 
 
 def _holm(p: Parameters, pressing_N: FloatArray, e: FloatArray) -> FloatArray:
@@ -183,9 +178,6 @@ def _draw_contact(family: str, friction: float, rng: np.random.Generator) -> Law
     if family != "holm":
         p["exponent"] = float(rng.choice([rng.uniform(0.28, 0.4), rng.uniform(0.65, 0.95)]))
     return Law(family, p, _holm)
-
-
-# --- drift: ln conductance over time ---
 
 
 def _logarithmic(p: Parameters, t: FloatArray) -> FloatArray:

@@ -1,4 +1,8 @@
-"""Hidden effects on the contacts and on the conductance."""
+"""Hidden effects on the contacts and on the conductance.
+
+It answers to motion, not to strain alone; contact spots grow slowly under pressure, until all yarns touch; the
+measuring current warms the yarn, or the room does.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +13,6 @@ from testbench.worlds.effects.registry import form
 from testbench.worlds.kernels import last_turning_point, lowpass, lowpass_two_way
 
 BOTH_SIGNS = [-1.0, 1.0, 1.0]
-
-
-# --- overshoot: conductance answers to motion, not to strain alone ---
 
 
 @form("electrical_overshoot", "fades_with_time", "electrical", 5.0, tau=(1, 12), sign=BOTH_SIGNS)
@@ -36,9 +37,6 @@ def overshoot_speed(s: Scene, a: float, p: Shape) -> None:
     s.ln_g = s.ln_g + p["sign"] * a * lowpass(s.t, moving, p["tau"])
 
 
-# --- contact relaxation: contact spots grow slowly under pressure ---
-
-
 @form("contact_relaxation", "area_follows_force", "pressure", 1.5, tau=(8, 120))
 def area_follows(s: Scene, a: float, p: Shape) -> None:
     share = a / (1 + a)
@@ -57,9 +55,6 @@ def ageing(s: Scene, a: float, p: Shape) -> None:
 @form("contact_relaxation", "quick_up_slow_down", "electrical", 2.0, up=(1, 6), down=(20, 150))
 def quick_up_slow_down(s: Scene, a: float, p: Shape) -> None:
     s.ln_g = s.ln_g + a * lowpass_two_way(s.t, s.pressing / s.top_N, p["up"], p["down"])
-
-
-# --- contact saturation: all yarns touch already ---
 
 
 @form("contact_saturation", "crowding", "pressure", 8.0, power=(2.5, 6))
@@ -83,9 +78,6 @@ def saturation_ceiling(s: Scene, a: float, p: Shape) -> None:
     level = top - a * swing * 0.6
     width = swing / p["sharp"] * a / (a + 0.2)
     s.ln_g = s.ln_g - width * np.logaddexp(0, (s.ln_g - level) / width)
-
-
-# --- self-heating: the measuring current warms the yarn ---
 
 
 @form("self_heating", "one_mass", "electrical", 2.0, tau=(60, 400), sign=BOTH_SIGNS)
@@ -112,16 +104,9 @@ def heating_divider(s: Scene, a: float, p: Shape) -> None:
     s.ln_g = s.ln_g + p["sign"] * 0.5 * a * lowpass(s.t, power, p["tau"])
 
 
-# --- ambient temperature ---
-
-
+@form("temperature_drift", "measured", "electrical", 0.3, sign=BOTH_SIGNS, measured=[1])
 @form("temperature_drift", "conductance_only", "electrical", 0.3, sign=BOTH_SIGNS, measured=[0])
 def ambient_conductance(s: Scene, a: float, p: Shape) -> None:
-    s.ln_g = s.ln_g + p["sign"] * a * s.ambient
-
-
-@form("temperature_drift", "measured", "electrical", 0.3, sign=BOTH_SIGNS, measured=[1])
-def ambient_measured(s: Scene, a: float, p: Shape) -> None:
     s.ln_g = s.ln_g + p["sign"] * a * s.ambient
 
 

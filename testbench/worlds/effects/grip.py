@@ -15,9 +15,6 @@ def _lengthened(s: Scene, extra: np.ndarray) -> None:
     s.e = (s.e - extra) / (1 + extra)
 
 
-# --- permanent set ---
-
-
 @form("permanent_set", "of_largest_strain", "kinematics", 0.5, onset=(0.0, 0.08))
 def set_of_maximum(s: Scene, a: float, p: Shape) -> None:
     _lengthened(s, a * soft_positive(np.maximum.accumulate(s.e) - p["onset"], 0.005))
@@ -31,9 +28,6 @@ def set_creeps(s: Scene, a: float, p: Shape) -> None:
 @form("permanent_set", "with_travel", "kinematics", 0.15, travel=(5, 40))
 def set_with_travel(s: Scene, a: float, p: Shape) -> None:
     _lengthened(s, a * -np.expm1(-s.path() / p["travel"]))
-
-
-# --- clamp slip ---
 
 
 @form("clamp_slip", "jumps_at_high_strain", "kinematics", 0.05, often=(3, 12), level=(0.6, 0.9))
@@ -63,9 +57,6 @@ def slip_slides(s: Scene, a: float, p: Shape) -> None:
     over = np.maximum(s.e - level, 0) / max(s.e.max() - level, 1e-6)
     slid = np.concatenate([[0.0], np.cumsum(over[1:] * np.diff(s.t))])
     s.e = s.e - a * slid / (30 + slid)
-
-
-# --- backlash ---
 
 
 def _lost_motion(x: np.ndarray, gap: float) -> np.ndarray:

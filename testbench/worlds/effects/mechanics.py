@@ -1,4 +1,8 @@
-"""Hidden effects on force: what the yarn and the loops do beyond elasticity and friction."""
+"""Hidden effects on force: what the yarn and the loops do beyond elasticity and friction.
+
+Relaxation as in generalised Maxwell solids, linear and not; dashpots beside the knit; softening below the largest
+strain so far (Mullins) and with every cycle; loops that lock.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +12,6 @@ from scipy.special import erf
 from testbench.worlds.chain import Scene, Shape
 from testbench.worlds.effects.registry import form
 from testbench.worlds.kernels import last_turning_point, lowpass
-
-# --- stress relaxation: generalised Maxwell solids, linear and not ---
 
 
 @form("stress_relaxation", "one_time", "mechanics", 0.8, tau=(4, 80))
@@ -29,9 +31,6 @@ def relax_nonlinear(s: Scene, a: float, p: Shape) -> None:
     s.force = s.force - a * lowpass(s.t, drive, p["tau"])
 
 
-# --- viscous stiffening: dashpots beside the knit ---
-
-
 @form("viscous_rate_stiffening", "linear_dashpot", "mechanics", 20.0)
 def dashpot(s: Scene, a: float, p: Shape) -> None:
     s.force = s.force + a * s.top_N * s.rate()
@@ -46,9 +45,6 @@ def eyring(s: Scene, a: float, p: Shape) -> None:
 def cowper_symonds(s: Scene, a: float, p: Shape) -> None:
     rate = s.rate()
     s.force = s.force * (1 + a * np.sign(rate) * (np.abs(rate) / p["onset"]) ** p["power"] / 3)
-
-
-# --- Mullins: softer below the largest strain so far ---
 
 
 @form("mullins_softening", "ogden_roxburgh", "mechanics", 0.9, width=(0.1, 0.5))
@@ -71,9 +67,6 @@ def softened_below_maximum(s: Scene, a: float, p: Shape) -> None:
     s.force = s.force * (1 - a * worst / 0.3 * (1 - share))
 
 
-# --- fatigue: weaker with every cycle ---
-
-
 @form("cyclic_fatigue", "work_done", "mechanics", 0.8, share=(0.2, 1.5))
 def fatigue_by_work(s: Scene, a: float, p: Shape) -> None:
     done = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(s.e) * s.force[1:]))])
@@ -91,9 +84,6 @@ def fatigue_by_cycles(s: Scene, a: float, p: Shape) -> None:
 @form("cyclic_fatigue", "by_travel", "mechanics", 0.8, travel=(10, 60))
 def fatigue_by_travel(s: Scene, a: float, p: Shape) -> None:
     s.force = s.force * (1 - a * -np.expm1(-s.path() / p["travel"]))
-
-
-# --- jamming: the loops lock ---
 
 
 @form("jamming_stiffening", "quadratic_beyond", "mechanics", 5.0, onset=(0.15, 0.25))

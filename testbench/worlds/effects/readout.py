@@ -1,4 +1,7 @@
-"""Hidden effects of the instruments: they change what is read and nothing else."""
+"""Hidden effects of the instruments: they change what is read and nothing else.
+
+The magnitude of a converter's range is the share of the swing that lies beyond it.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +10,6 @@ import numpy as np
 from testbench.worlds.chain import Scene, Shape
 from testbench.worlds.effects.registry import form
 from testbench.worlds.kernels import lowpass
-
-# --- lag between the channels ---
 
 
 @form("channel_lag", "filtered_resistance", "readout", 3.0)
@@ -24,9 +25,6 @@ def lag_delay(s: Scene, a: float, p: Shape) -> None:
 @form("channel_lag", "late_force", "readout", 3.0)
 def lag_force(s: Scene, a: float, p: Shape) -> None:
     s.force = np.interp(s.t - a, s.t, s.force)
-
-
-# --- range of the converters; magnitude is the share of the swing that is out of range ---
 
 
 @form("adc_saturation", "resistance_clipped", "readout", 0.7, side=[0, 1])
@@ -50,9 +48,6 @@ def amplifier(s: Scene, a: float, p: Shape) -> None:
     s.ln_g = s.ln_g - width * np.logaddexp(0, (s.ln_g - rail) / width)
 
 
-# --- creep of the load cell ---
-
-
 @form("load_cell_creep", "one_time", "readout", 0.5, tau=(100, 600))
 def creep_one(s: Scene, a: float, p: Shape) -> None:
     s.force = s.force + a * lowpass(s.t, s.force, p["tau"])
@@ -67,9 +62,6 @@ def creep_zero(s: Scene, a: float, p: Shape) -> None:
 def creep_two(s: Scene, a: float, p: Shape) -> None:
     loaded = 0.4 * lowpass(s.t, s.force, p["fast"]) + 0.6 * lowpass(s.t, s.force, p["slow"])
     s.force = s.force + a * loaded
-
-
-# --- interference ---
 
 
 @form("periodic_interference", "force_hum", "readout", 0.5, hz=(0.3, 12))
