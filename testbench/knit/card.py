@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import re
 import textwrap
 from dataclasses import dataclass
 from typing import Any
@@ -30,11 +29,9 @@ def doc_sections(effect: type[Effect]) -> DocSections:
     source, _, valid = tail.partition("Valid:")
     summary, _, rest = body.strip().partition("\n\n")
     formula, _, remarks = rest.partition("\n\n")
-    return DocSections(_one_line(summary), formula.strip(), *map(_one_line, (remarks, source, valid)))
-
-
-def _one_line(text: str) -> str:
-    return re.sub(r"\s+", " ", text).strip()
+    return DocSections(
+        " ".join(summary.split()), formula.strip(), *(" ".join(text.split()) for text in (remarks, source, valid))
+    )
 
 
 def parameter_rows(effect: type[Effect]) -> list[dict[str, str]]:
@@ -68,7 +65,9 @@ def other_laws(effect: type[Effect], catalogue: Catalogue) -> list[str]:
 def card_text(effect: type[Effect], catalogue: Catalogue) -> str:
     """The card as plain text, at most about 110 columns wide."""
     doc = doc_sections(effect)
-    lines = [f"{effect.name}   ({_chain(effect)})", doc.summary, "", _indented(doc.formula), ""]
+    read = ", ".join(effect.reads + effect.optional_reads)
+    chain = f"{effect.stage.name.lower()}: {read} -> {', '.join(effect.writes)}"
+    lines = [f"{effect.name}   ({chain})", doc.summary, "", textwrap.indent(doc.formula, "    "), ""]
     lines += [f"in data    {effect.look}", "", *_table(parameter_rows(effect)), ""]
     told = {"remarks": doc.remarks, "source": doc.source, "valid": doc.valid}
     lines += [_wrapped(label, text) for label, text in told.items() if text]
@@ -78,15 +77,6 @@ def card_text(effect: type[Effect], catalogue: Catalogue) -> str:
 
 def _wrapped(label: str, text: str) -> str:
     return textwrap.fill(text, 110, initial_indent=f"{label:11s}", subsequent_indent=" " * 11)
-
-
-def _chain(effect: type[Effect]) -> str:
-    read = ", ".join(effect.reads + effect.optional_reads)
-    return f"{effect.stage.name.lower()}: {read} -> {', '.join(effect.writes)}"
-
-
-def _indented(text: str) -> str:
-    return "\n".join(f"    {line}".rstrip() for line in text.splitlines())
 
 
 def _table(rows: list[dict[str, str]]) -> list[str]:
@@ -106,17 +96,12 @@ def catalogue_text(catalogue: Catalogue) -> str:
         lines.append(stage.name.lower())
         for laws in catalogue.mechanisms().values():
             here = [law for law in laws if law.stage is stage]
-            lines += [_entry(law, law is not here[0]) for law in here]
+            lines += [f"  {'' if law is here[0] else '  '}{law.name}".ljust(38) + f" {law.look}" for law in here]
         lines.append("")
     lines += [f"broken: {name}: {reason}" for name, reason in catalogue.broken.items()]
     count = len(catalogue.mechanisms())
     lines.append(f"{len(catalogue.effects)} effects of {count} mechanisms. Card: testbench effects NAME")
     return "\n".join(lines)
-
-
-def _entry(effect: type[Effect], indent: bool) -> str:
-    label = f"{'    ' if indent else '  '}{effect.name}"
-    return f"{label:38s} {effect.look}"
 
 
 def catalogue_markdown(catalogue: Catalogue) -> str:

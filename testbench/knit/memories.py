@@ -15,7 +15,7 @@ from testbench.knit import spectra
 from testbench.knit.effect import FloatArray
 from testbench.knit.filters import hold_coefficients, memory
 from testbench.knit.filters import moving as moving
-from testbench.knit.kernels import last_turn, travelled, turns
+from testbench.knit.kernels import bouc_wen_of_exponent_1, last_turn, play, travelled, turns
 from testbench.knit.lags import two_way_lowpass
 
 BACK = 0.02  # of the span: a turn is known once the strain has come back so far
@@ -127,17 +127,9 @@ def held(x: FloatArray, width: float) -> FloatArray:
     return out
 
 
-@njit("float64[:](float64[:], float64)", cache=True, nogil=True)
 def stuck(x: FloatArray, grip: float) -> FloatArray:
     """How far `x` has gone since it last stuck; it lets go, and sticks anew, beyond `grip` either way."""
-    out = np.empty_like(x)
-    anchor = x[0]
-    for i in range(len(x)):
-        off = x[i] - anchor
-        if abs(off) > grip > 0.0:
-            anchor += grip * (math.floor(off / grip) if off > 0.0 else math.ceil(off / grip))
-        out[i] = x[i] - anchor
-    return out
+    return x - held(np.ascontiguousarray(x), grip)
 
 
 @njit("float64[:](float64[:], float64, float64)", cache=True, nogil=True)
@@ -176,8 +168,6 @@ def turning(x: FloatArray, back: float, dt_s: float) -> FloatArray:
 
 def heading(x: FloatArray, span: float) -> FloatArray:
     """+1 while `x` goes up, -1 while it comes down, turning over within `BACK` of the span."""
-    from testbench.knit.kernels import bouc_wen_of_exponent_1
-
     return bouc_wen_of_exponent_1(np.ascontiguousarray(x), BACK * span, 0.5)
 
 
@@ -249,8 +239,6 @@ def two_way_lag(x: FloatArray, up_s: float, down_s: float, dt_s: float) -> Float
 
 def stop(x: FloatArray, reach: float) -> FloatArray:
     """What a slip element of this reach carries, -reach to reach: `x` less its play."""
-    from testbench.knit.kernels import play
-
     return x - play(np.ascontiguousarray(x), np.array([reach]))[0]
 
 

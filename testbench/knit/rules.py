@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
+from types import MappingProxyType
 
 import numpy as np
 
@@ -37,22 +38,11 @@ CHECKED_S = 60.0
 Rule = Callable[[Effect], str]
 
 
-class OnlyDeclared(Mapping[str, FloatArray]):
+class OnlyDeclared(dict[str, FloatArray]):
     """Signals of which only the declared ones can be read."""
 
-    def __init__(self, signals: Signals, effect: Effect) -> None:
-        self._allowed = {k: v for k, v in signals.items() if k in effect.reads + effect.optional_reads}
-
-    def __getitem__(self, key: str) -> FloatArray:
-        if key not in self._allowed:
-            raise KeyError(f"{key} is not among what it reads")
-        return self._allowed[key]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._allowed)
-
-    def __len__(self) -> int:
-        return len(self._allowed)
+    def __missing__(self, key: str) -> FloatArray:
+        raise KeyError(f"{key} is not among what it reads")
 
 
 def example_signals(dt_s: float) -> dict[str, FloatArray]:
@@ -73,7 +63,8 @@ def example_signals(dt_s: float) -> dict[str, FloatArray]:
 
 def applied(effect: Effect, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
     """What the effect makes of the signals, given only those that it declares; `UserError` where it is others."""
-    out = effect.apply(OnlyDeclared(signals, effect), dt_s)
+    declared = {key: value for key, value in signals.items() if key in effect.reads + effect.optional_reads}
+    out = effect.apply(MappingProxyType(OnlyDeclared(declared)), dt_s)
     if came := strangely_written(effect, out):
         raise UserError(f"returns {came}, but declares {', '.join(effect.writes)}")
     return out

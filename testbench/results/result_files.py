@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from gcode.support.errors import UserError
-from gcode.support.strict import StrictModel, json_of, read_text, validated
+from gcode.support.strict import json_of, read_text, validated
 from testbench.knit.effect_names import HYPOTHESES
 from testbench.recordings.stored import GaugeLength, Label, StoredModel, checked_model
 from testbench.results.model_file import Errors, ExtraKept, Step, Summary
@@ -99,21 +99,22 @@ class StoredDiagnosis(ExtraKept):
         return self
 
 
-class _Trace(ExtraKept):
-    """Columns of one length."""
-
+class _Columns(ExtraKept):
     time_s: Annotated[list[Finite], Field(max_length=MOST_POINTS)]
+
+    @model_validator(mode="after")
+    def _of_one_length(self) -> _Columns:
+        lengths = {len(getattr(self, column)) for column in type(self).model_fields}
+        if len(lengths) > 1 or lengths == {0}:
+            raise ValueError(f"{', '.join(type(self).model_fields)} must be of one length, and not empty")
+        return self
+
+
+class _Trace(_Columns):
     F: list[Finite]
     G: list[Finite]
     G_rescaled: list[Finite]
     p: list[Finite]
-
-    @model_validator(mode="after")
-    def _of_one_length(self) -> _Trace:
-        lengths = {len(column) for column in (self.time_s, self.F, self.G, self.G_rescaled, self.p)}
-        if len(lengths) > 1 or lengths == {0}:
-            raise ValueError("its columns must be of one length, and not empty")
-        return self
 
 
 class _Scored(ExtraKept):
@@ -162,15 +163,8 @@ class _Option(ExtraKept):
     channel: Label
 
 
-class _Left(StrictModel):
-    time_s: Annotated[list[Finite], Field(min_length=1, max_length=MOST_POINTS)]
-    over_noise: Annotated[list[Finite], Field(min_length=1, max_length=MOST_POINTS)]
-
-    @model_validator(mode="after")
-    def _of_one_length(self) -> _Left:
-        if len(self.time_s) != len(self.over_noise):
-            raise ValueError("time_s and over_noise must be of one length")
-        return self
+class _Left(_Columns):
+    over_noise: list[Finite]
 
 
 class StoredExperiment(ExtraKept):

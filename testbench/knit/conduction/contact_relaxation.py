@@ -128,8 +128,7 @@ class ContactRelaxationAsymmetric(SpotsLaw):
         from testbench.knit.memories import two_way_lag
 
         pressing_N = signals["contact_force_N"]
-        lag_N = two_way_lag(pressing_N, self.tau_up_s, self.tau_down_s, dt_s) - pressing_N
-        return self.gain_per_N * lag_N
+        return self.gain_per_N * (two_way_lag(pressing_N, self.tau_up_s, self.tau_down_s, dt_s) - pressing_N)
 
 
 class ContactRelaxationSpots(SpotsLaw):
@@ -152,9 +151,8 @@ class ContactRelaxationSpots(SpotsLaw):
     longest_s: float = parameter(300.0, unit="s", low=30, high=1e5, scale="log", doc="longest relaxation time")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        conductance = signals["conductance_S"]
-        lost = memory_of_box(log_conductance(conductance), self.fraction, self.shortest_s, self.longest_s, dt_s)
-        return -lost
+        log_g = log_conductance(signals["conductance_S"])
+        return -memory_of_box(log_g, self.fraction, self.shortest_s, self.longest_s, dt_s)
 
 
 class ContactRelaxationActivated(SpotsLaw):
@@ -178,12 +176,10 @@ class ContactRelaxationActivated(SpotsLaw):
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         from testbench.knit.lags import varying_lowpass
 
-        conductance = signals["conductance_S"]
-        log_g = log_conductance(conductance)
+        log_g = log_conductance(signals["conductance_S"])
         per_s = np.exp(self.activation * np.clip(signals["strain"] / self.span, 0.0, 1.0)) / self.tau_s
         mean_per_s = 0.5 * (per_s + np.r_[per_s[0], per_s[:-1]])  # over the step that ends at each sample
-        lost = varying_lowpass(log_g, np.exp(-dt_s * mean_per_s)) - log_g[0]
-        return -self.fraction * lost
+        return -self.fraction * (varying_lowpass(log_g, np.exp(-dt_s * mean_per_s)) - log_g[0])
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return [{"tau_s": tau_s, "activation": a} for tau_s in (15.0, 50.0, 150.0) for a in (0.7, 2.0)]

@@ -57,8 +57,7 @@ class DriftExponential(DriftLaw):
     tau_s: float = parameter(300.0, unit="s", low=1, high=1e5, scale="log", doc="time in which 63 % of it is done")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        done = -np.expm1(-signals["time_s"] / self.tau_s)
-        return self.amount * done
+        return -self.amount * np.expm1(-signals["time_s"] / self.tau_s)
 
 
 class DriftPower(DriftLaw):
@@ -78,8 +77,7 @@ class DriftPower(DriftLaw):
     exponent: float = parameter(1.0, unit="1", low=0.2, high=1.5, doc="1: linear; 0.5: diffusion")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        hours = (signals["time_s"] / 3600) ** self.exponent
-        return self.per_hour * hours
+        return self.per_hour * (signals["time_s"] / 3600) ** self.exponent
 
 
 class WearLaw(ConductanceLaw):
@@ -104,8 +102,7 @@ class CoatingWear(WearLaw):
     loss: float = parameter(0.05, unit="1", low=0, high=20, doc="fall of ln G in 100 units of strain path")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        worn = cycled_strain(signals) / 100
-        return -self.loss * worn
+        return -self.loss * cycled_strain(signals) / 100
 
 
 class CoatingWearThrough(WearLaw):
@@ -165,8 +162,7 @@ class CoatingWearLoad(WearLaw):
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         path, load_N = np.diff(cycled_strain(signals), prepend=0.0), np.maximum(signals["contact_force_N"], 0.0)
         mean_N = 0.5 * (load_N + np.r_[load_N[0], load_N[:-1]])
-        worn = np.cumsum(path * mean_N**self.exponent) / 100
-        return -self.loss * worn
+        return -self.loss * np.cumsum(path * mean_N**self.exponent) / 100
 
 
 class CoatingWearWeibull(WearLaw):
@@ -196,6 +192,7 @@ class CracksLaw(ConductanceLaw):
     """Base of the laws of cracks: conductance lost for good at each new largest stretch."""
 
     mechanism = "coating_cracks"
+    strength = "loss"
 
 
 class CoatingCracksWeibull(CracksLaw):
@@ -209,7 +206,6 @@ class CoatingCracksWeibull(CracksLaw):
     """
 
     name = "coating_cracks_weibull"
-    strength = "loss"
     look = "conductance falls for good at each new largest stretch, most around one stretch"
 
     loss: float = parameter(0.3, unit="1", low=0, high=20, doc="fall of ln G when all have cracked")
@@ -236,7 +232,6 @@ class CoatingCracks(CracksLaw):
     """
 
     name = "coating_cracks"
-    strength = "loss"
     look = "conductance falls for good at each new largest stretch, force does not"
 
     loss: float = parameter(0.5, unit="1", low=0, high=20, doc="fall of ln G per unit of largest strain")

@@ -21,19 +21,6 @@ def _coefficient(power: str) -> float:
     )
 
 
-def _lag() -> float:
-    return parameter(1.0, unit="s", low=0.1, high=3000, scale="log", doc="lag behind the thermometer")
-
-
-def _period() -> float:
-    doc = "period of the swing where nothing was measured"
-    return parameter(1500.0, unit="s", low=300, high=2e5, scale="log", doc=doc)
-
-
-def _phase() -> float:
-    return parameter(0.0, unit="rad", low=-6.3, high=6.3, doc="phase of the swing at the start")
-
-
 class SelfHeatingLaw(ConductanceLaw):
     """Base of the laws of a sensor that its measuring current warms."""
 
@@ -91,12 +78,10 @@ class SelfHeatingTwoMasses(SelfHeatingLaw):
     share: float = parameter(0.5, unit="1", low=0, high=1, doc="share of the yarn")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        conductance = signals["conductance_S"]
-        power = conductance / conductance[0]
+        power = signals["conductance_S"] / signals["conductance_S"][0]
         taus_s = self.fast_s, max(self.slow_s, self.fast_s)  # in the other order two points would be one law
         yarn, fabric = (lowpass(power, tau_s, dt_s, start=0.0) for tau_s in taus_s)
-        warmth = self.share * yarn + (1 - self.share) * fabric
-        return self.coefficient * warmth
+        return self.coefficient * (self.share * yarn + (1 - self.share) * fabric)
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return [{"fast_s": fast_s, "slow_s": slow_s} for fast_s in (4.0, 12.0, 30.0) for slow_s in (150.0, 500.0)]
@@ -170,6 +155,33 @@ class SelfHeatingDivider(OneMass):
         return [{"match": match, "tau_s": tau_s} for match in matches for tau_s in taus_s]
 
 
+class FollowsRoom(Effect):
+    """Base of the laws that follow the room: as a thermometer says, with a lag, or by a swing of 1 K where none does.
+
+    When a room swings, how far and how fast is another matter on each day; how the sensor follows it is not.
+    """
+
+    optional_reads = ("temperature_C",)
+    per_recording = ("phase_rad",)
+
+    lag_s: float = parameter(1.0, unit="s", low=0.1, high=3000, scale="log", doc="lag behind the thermometer")
+    period_s: float = parameter(
+        1500.0, unit="s", low=300, high=2e5, scale="log", doc="period of the swing where nothing was measured"
+    )
+    phase_rad: float = parameter(0.0, unit="rad", low=-6.3, high=6.3, doc="phase of the swing at the start")
+
+    def of_one_recording(self, signals: Signals) -> tuple[str, ...]:
+        return () if "temperature_C" in signals else (*self.per_recording, self.strength, "period_s")
+
+    def warmer_K(self, signals: Signals, dt_s: float) -> FloatArray:
+        """How much warmer it is than at the start, shape (n,)."""
+        measured = signals.get("temperature_C")
+        if measured is not None:
+            return lowpass(measured, self.lag_s, dt_s) - measured[0]
+        angle = 2 * np.pi * signals["time_s"] / self.period_s + self.phase_rad
+        return np.sin(angle) - np.sin(self.phase_rad)
+
+
 class RoomLaw(ConductanceLaw):
     """Base of the laws of a conductance that follows the temperature of the room."""
 
@@ -177,7 +189,7 @@ class RoomLaw(ConductanceLaw):
     reads = ("time_s", "conductance_S")
 
 
-class TemperatureDrift(RoomLaw):
+class TemperatureDrift(FollowsRoom, RoomLaw):
     """The conductance follows the temperature of the room.
 
     ln G += coefficient * (T - T(0))        T: measured `temperature_C`, followed with the lag `lag_s`
@@ -188,21 +200,13 @@ class TemperatureDrift(RoomLaw):
     """
 
     name = "temperature_drift"
-    optional_reads = ("temperature_C",)
     strength = "coefficient_per_K"
-    per_recording = ("phase_rad",)
     look = "conductance wanders slowly, with the room and not with the motion"
 
     coefficient_per_K: float = parameter(0.01, unit="1/K", low=-0.3, high=0.3, doc="change of ln G per kelvin")
-    lag_s: float = _lag()
-    period_s: float = _period()
-    phase_rad: float = _phase()
-
-    def of_one_recording(self, signals: Signals) -> tuple[str, ...]:
-        return _of_an_unmeasured_room(self, signals)
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        return self.coefficient_per_K * _room_K(signals, self.lag_s, self.period_s, self.phase_rad, dt_s)
+        return self.coefficient_per_K * self.warmer_K(signals, dt_s)
 
 
 class TemperatureDriftTrend(RoomLaw):
@@ -224,8 +228,7 @@ class TemperatureDriftTrend(RoomLaw):
         return (self.strength,)
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        hours = signals["time_s"] / 3600
-        return self.coefficient_per_h * hours
+        return self.coefficient_per_h * signals["time_s"] / 3600
 
 
 class TemperatureDriftWander(RoomLaw):
@@ -260,7 +263,7 @@ class SofteningLaw(ForceFactor):
     reads = ("time_s", "force_N")
 
 
-class ThermalSoftening(SofteningLaw):
+class ThermalSoftening(FollowsRoom, SofteningLaw):
     """Warm yarn is softer: the force follows the temperature of the room.
 
     F *= max(1 - softening * (T - T(0)), 0)        T: measured `temperature_C`, followed with the lag `lag_s`
@@ -271,22 +274,13 @@ class ThermalSoftening(SofteningLaw):
     """
 
     name = "thermal_softening"
-    optional_reads = ("temperature_C",)
     strength = "softening_per_K"
-    per_recording = ("phase_rad",)
     look = "force sinks when the room warms"
 
     softening_per_K: float = parameter(0.005, unit="1/K", low=-0.3, high=0.3, doc="relative loss of force per kelvin")
-    lag_s: float = _lag()
-    period_s: float = _period()
-    phase_rad: float = _phase()
-
-    def of_one_recording(self, signals: Signals) -> tuple[str, ...]:
-        return _of_an_unmeasured_room(self, signals)
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
-        warmer_K = _room_K(signals, self.lag_s, self.period_s, self.phase_rad, dt_s)
-        return np.maximum(1 - self.softening_per_K * warmer_K, 0.0)
+        return np.maximum(1 - self.softening_per_K * self.warmer_K(signals, dt_s), 0.0)
 
 
 class ThermalSofteningWander(SofteningLaw):
@@ -309,20 +303,6 @@ class ThermalSofteningWander(SofteningLaw):
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
         return np.exp(_wander(signals["time_s"], self.weights, dt_s))
-
-
-def _of_an_unmeasured_room(effect: Effect, signals: Signals) -> tuple[str, ...]:
-    """When a room swings, how far and how fast is another matter on each day; how the sensor follows it is not."""
-    return () if "temperature_C" in signals else (*effect.per_recording, effect.strength, "period_s")
-
-
-def _room_K(signals: Signals, lag_s: float, period_s: float, phase_rad: float, dt_s: float) -> FloatArray:
-    """How much warmer than at the start, shape (n,): as measured and followed with a lag, or a swing of 1 K."""
-    measured = signals.get("temperature_C")
-    if measured is not None:
-        return lowpass(measured, lag_s, dt_s) - measured[0]
-    angle = 2 * np.pi * signals["time_s"] / period_s + phase_rad
-    return np.sin(angle) - np.sin(phase_rad)
 
 
 def _wander(time_s: FloatArray, steps: tuple[float, ...], dt_s: float) -> FloatArray:

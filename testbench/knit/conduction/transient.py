@@ -58,8 +58,7 @@ class ElectricalOvershootConductance(OvershootLaw):
     tau_s: float = parameter(3.0, unit="s", low=0.1, high=30, scale="log", doc="time in which it settles")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        conductance = signals["conductance_S"]
-        return self.gain * highpass(log_conductance(conductance), self.tau_s, dt_s)
+        return self.gain * highpass(log_conductance(signals["conductance_S"]), self.tau_s, dt_s)
 
 
 class ElectricalOvershootProny(OvershootLaw):
@@ -256,8 +255,7 @@ class RateResistance(OvershootLaw):
     gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="change of ln G at 10 % strain per second")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        speed = rate(signals["strain"], dt_s) / 0.1
-        return self.gain * speed
+        return self.gain * rate(signals["strain"], dt_s) / 0.1
 
 
 class RateResistanceMagnitude(OvershootLaw):

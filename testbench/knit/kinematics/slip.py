@@ -77,7 +77,7 @@ class ClampSlipRepeated(ClampSlipLaw):
     e -= amount * (number of times e has risen through `limit`)
 
     Source: as `clamp_slip`.
-    Valid: few passes; a new pass counts after the strain has been 0.02 below the limit.
+    Valid: few passes; a new one counts after the strain has been 0.02 below the limit, or at half a smaller limit.
     """
 
     name = "clamp_slip_repeated"
@@ -91,8 +91,7 @@ class ClampSlipRepeated(ClampSlipLaw):
     def slipped(self, signals: Signals, dt_s: float) -> FloatArray:
         from testbench.knit.kernels import crossings
 
-        passes = crossings(signals["strain"], self.limit, max(self.limit - 0.02, 0.5 * self.limit))
-        return self.amount * passes
+        return self.amount * crossings(signals["strain"], self.limit, max(self.limit - 0.02, 0.5 * self.limit))
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         top = float(np.max(signals["strain"]))

@@ -50,8 +50,7 @@ class MullinsSoftening(MullinsLaw):
 
         energy = 0.5 * signals["strain"] ** 2
         top = np.maximum.accumulate(energy)
-        lost = erf((top - energy) / (self.width + 0.5 * top))
-        return 1 - self.softening * lost
+        return 1 - self.softening * erf((top - energy) / (self.width + 0.5 * top))
 
 
 class MullinsSofteningPower(MullinsLaw):
@@ -145,10 +144,8 @@ class MullinsSofteningHealing(MullinsLaw):
         from testbench.knit.memories import two_way_lag
 
         strain = np.ascontiguousarray(signals["strain"])
-        remembered = np.maximum(two_way_lag(strain, 0.0, self.heal_s, dt_s), strain)
-        top = np.maximum(remembered, 1e-6)
-        lost = lost_below(strain, top, self.span, self.power)
-        return 1 - self.softening * lost
+        top = np.maximum(np.maximum(two_way_lag(strain, 0.0, self.heal_s, dt_s), strain), 1e-6)
+        return 1 - self.softening * lost_below(strain, top, self.span, self.power)
 
 
 def cycled_strain(signals: Signals) -> FloatArray:

@@ -63,8 +63,7 @@ class ViscousRateStiffening(DashpotLaw):
         return _powers_of_rate(0.3, 0.6, 1.0, 1.3)
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
-        viscous = _power_of_rate(signals["strain"], dt_s, self.exponent, self.rate0_per_s)
-        return self.force_at_rate_N * viscous
+        return self.force_at_rate_N * _power_of_rate(signals["strain"], dt_s, self.exponent, self.rate0_per_s)
 
 
 class ViscousRateStiffeningMaxwell(DashpotLaw):
@@ -95,8 +94,7 @@ class ViscousRateStiffeningMaxwell(DashpotLaw):
         from testbench.knit.memories import power_of
 
         driving = self.span * power_of(signals["strain"] / self.span, self.power)
-        viscous = highpass(driving, self.tau_s, dt_s) / (self.tau_s * REFERENCE_RATE_PER_S)
-        return self.force_at_rate_N * viscous
+        return self.force_at_rate_N * highpass(driving, self.tau_s, dt_s) / (self.tau_s * REFERENCE_RATE_PER_S)
 
 
 class ViscousRateStiffeningEyring(DashpotLaw):
@@ -116,8 +114,7 @@ class ViscousRateStiffeningEyring(DashpotLaw):
     rate0_per_s: float = parameter(0.01, unit="1/s", low=1e-5, high=1, scale="log", doc="rate where the log sets in")
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
-        sliding = np.arcsinh(rate(signals["strain"], dt_s) / self.rate0_per_s)
-        return self.force_per_efold_N * sliding
+        return self.force_per_efold_N * np.arcsinh(rate(signals["strain"], dt_s) / self.rate0_per_s)
 
 
 class ViscousRateStiffeningLog(RateFactor):
@@ -137,8 +134,7 @@ class ViscousRateStiffeningLog(RateFactor):
     rate0_per_s: float = parameter(0.01, unit="1/s", low=1e-5, high=1, scale="log", doc="rate where it sets in")
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
-        efolds = np.log1p(np.abs(rate(signals["strain"], dt_s)) / self.rate0_per_s)
-        return 1 + self.gain * efolds
+        return 1 + self.gain * np.log1p(np.abs(rate(signals["strain"], dt_s)) / self.rate0_per_s)
 
 
 class ViscousRateStiffeningPower(RateFactor):

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import lowpass
 
 
 class ChannelLagLaw(Effect):
-    """Base of the laws of a reading that comes late."""
+    """Base of the laws of a reading that comes late: of the signal, or (`of_resistance`) of its inverse.
+
+    What is not late at all is as it was.
+    """
 
     mechanism = "channel_lag"
     stage = Stage.READOUT
     reads, writes = ("conductance_S",), ("conductance_S",)
     strength = "tau_s"
     nonlinear = True
+    of_resistance: ClassVar[bool] = False
 
     def late(self, x: FloatArray, dt_s: float) -> FloatArray:
         """What is read of a signal, shape (n,)."""
@@ -21,13 +27,10 @@ class ChannelLagLaw(Effect):
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         (signal,) = self.writes
-        return {signal: self.late(signals[signal], dt_s)}
-
-
-def read_as_resistance(law: ChannelLagLaw, conductance_S: FloatArray, dt_s: float) -> FloatArray:
-    """Conductance by a reading of the resistance that is late, shape (n,); as it is where that is not late at all."""
-    ohm = 1 / conductance_S
-    return conductance_S * (ohm / law.late(ohm, dt_s))
+        if not self.of_resistance:
+            return {signal: self.late(signals[signal], dt_s)}
+        ohm = 1 / signals[signal]
+        return {signal: signals[signal] * (ohm / self.late(ohm, dt_s))}
 
 
 class OneFilter(ChannelLagLaw):
@@ -62,10 +65,8 @@ class ChannelLagResistance(OneFilter):
     """
 
     name = "channel_lag_resistance"
+    of_resistance = True
     look = "conductance comes later than force, and later when it rises than when it falls"
-
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"conductance_S": read_as_resistance(self, signals["conductance_S"], dt_s)}
 
 
 class TwoFilters(ChannelLagLaw):
@@ -90,10 +91,8 @@ class ChannelLagTwoFilters(TwoFilters):
     """
 
     name = "channel_lag_two_filters"
+    of_resistance = True
     look = "conductance comes later than force, and its turns are rounder"
-
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"conductance_S": read_as_resistance(self, signals["conductance_S"], dt_s)}
 
 
 class ChannelLagForce(OneFilter):

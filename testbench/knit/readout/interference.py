@@ -27,6 +27,10 @@ class InterferenceLaw(Effect):
     frequency_Hz: float = parameter(1.0, unit="Hz", low=0.02, high=20, scale="log", doc="frequency as sampled")
     phase_rad: float = parameter(0.0, unit="rad", low=-6.3, high=6.3, doc="phase at the start")
 
+    def angle(self, signals: Signals) -> FloatArray:
+        """Of the first harmonic, shape (n,), in rad."""
+        return 2 * np.pi * self.frequency_Hz * signals["time_s"] + self.phase_rad
+
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         """The sharpest lines of the residual, in and out of phase: together they reach any phase."""
         if self.channel not in residual:
@@ -58,8 +62,7 @@ class PeriodicInterference(InterferenceLaw):
     amplitude: float = parameter(0.01, unit="1", low=0, high=0.5, doc="relative amplitude")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        wave = np.sin(2 * np.pi * self.frequency_Hz * signals["time_s"] + self.phase_rad)
-        return {"conductance_S": signals["conductance_S"] * (1 + self.amplitude * wave)}
+        return {"conductance_S": signals["conductance_S"] * (1 + self.amplitude * np.sin(self.angle(signals)))}
 
 
 class PeriodicInterferenceWave(PeriodicInterference):
@@ -78,8 +81,8 @@ class PeriodicInterferenceWave(PeriodicInterference):
     harmonics: tuple[float, ...] = harmonics_parameter()
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        angle = 2 * np.pi * self.frequency_Hz * signals["time_s"] + self.phase_rad
-        return {"conductance_S": shifted(signals["conductance_S"], self.amplitude * wave_of(angle, self.harmonics))}
+        wave = wave_of(self.angle(signals), self.harmonics)
+        return {"conductance_S": shifted(signals["conductance_S"], self.amplitude * wave)}
 
 
 class PeriodicInterferenceForce(InterferenceLaw):
@@ -101,8 +104,7 @@ class PeriodicInterferenceForce(InterferenceLaw):
     amplitude_N: float = parameter(0.02, unit="N", low=0, high=50, doc="amplitude")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        wave = np.sin(2 * np.pi * self.frequency_Hz * signals["time_s"] + self.phase_rad)
-        return {"force_N": signals["force_N"] + self.amplitude_N * wave}
+        return {"force_N": signals["force_N"] + self.amplitude_N * np.sin(self.angle(signals))}
 
 
 def sharpest_lines_Hz(x: FloatArray, dt_s: float, most: int) -> list[float]:
