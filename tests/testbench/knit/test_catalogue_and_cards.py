@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import runpy
 from pathlib import Path
@@ -20,16 +19,15 @@ from testbench.knit.effect import bounds_of
 from testbench.knit.model import KnitModel, inputs
 from testbench.knit.presets import names, preset
 from testbench.knit.rules import check
-from testbench.knit.showcase import VISIBLE, draw, showcase
+from testbench.knit.showcase import VISIBLE, showcase
 from testbench.knit.template import write_template
 
 CATALOGUE = load_catalogue()
 
 
 def test_a_mechanism_is_spoken_for_by_the_law_that_is_called_like_it() -> None:
-    for mechanism, laws in CATALOGUE.mechanisms().items():
-        assert mechanism in CATALOGUE.effects
-        assert laws[0].name == mechanism
+    assert all(effect.name == name for name, effect in CATALOGUE.effects.items())
+    assert all(laws[0].name == mechanism for mechanism, laws in CATALOGUE.mechanisms().items())
 
 
 @pytest.mark.parametrize("name", CATALOGUE.effects)
@@ -77,11 +75,6 @@ def test_showcase_shows_the_effect(name: str) -> None:
     assert np.max(np.abs(case.with_it - case.without)) > 0.5 * VISIBLE * np.ptp(case.without)
 
 
-def test_picture_is_a_png(tmp_path: Path) -> None:
-    draw(CATALOGUE["stress_relaxation"], tmp_path / "picture.png")
-    assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
-
-
 def test_a_picture_is_what_its_name_says(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["effects", "load_cell_creep", "--plot", str(tmp_path / "creep.svg")]) == 0
     assert "<!-- with load cell creep -->" in (tmp_path / "creep.svg").read_text()
@@ -105,12 +98,6 @@ def test_an_effects_file_may_have_a_dataclass_and_annotations_that_are_read_late
     lines = ["from __future__ import annotations\n\n", text[1], text[2], helper]
     (tmp_path / "mine.py").write_text("".join(lines), encoding="utf-8")
     assert check(load_catalogue(tmp_path / "mine.py")["my_effect"]()) == []
-
-
-@pytest.mark.parametrize("name", ["My", "two words", "class", "1st", ""])
-def test_template_needs_a_usable_name(name: str, tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="must be like my_effect"):
-        write_template(name, tmp_path / "mine.py")
 
 
 def test_template_overwrites_nothing(tmp_path: Path) -> None:
@@ -169,7 +156,6 @@ class Bad(Effect):
             'return {"conductance_S": signals["conductance_S"] * (1 + self.gain * signals["conductance_S"][-1])}',
             "what happens later",
         ),
-        ('return {"conductance_S": signals["strain"] * 2}', "KeyError"),
     ],
 )
 @pytest.mark.filterwarnings("ignore:invalid value", "ignore:divide by zero")
@@ -408,7 +394,7 @@ def test_command_lists_shows_draws_starts_and_checks(
     monkeypatch.chdir(tmp_path)
     assert main(["effects"]) == 0
     assert main(["effects", "contact", "--plot"]) == 0
-    assert (tmp_path / "contact.png").is_file()
+    assert (tmp_path / "contact.png").read_bytes().startswith(b"\x89PNG")
     assert main(["effects", "--new", "mine"]) == 0
     assert main(["effects", "--effects", "mine.py", "--check"]) == 0
     assert "mine: keeps all rules" in capsys.readouterr().out
@@ -421,10 +407,6 @@ def test_command_lists_shows_draws_starts_and_checks(
 def test_command_refuses_an_unknown_effect(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["effects", "magic"]) == 2
     assert "no effect called magic" in capsys.readouterr().err
-
-
-def test_presets_are_written_as_models_of_this_version() -> None:
-    assert json.loads(json.dumps(preset("lycra").to_dict()))["version"] == 1
 
 
 def test_a_guess_far_out_of_bounds_is_moved_into_them() -> None:

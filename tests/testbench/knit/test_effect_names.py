@@ -14,7 +14,7 @@ from testbench.knit.effect_names import HYPOTHESES, check_name, class_name
 from testbench.knit.template import write_template
 
 
-@pytest.mark.parametrize("name", ["true", "none", "false", "_", "__", "_2", "a b", "My", "", "class", "é-"])
+@pytest.mark.parametrize("name", ["true", "none", "false", "_", "__", "_2", "a b", "My", "", "class", "1st", "é-"])
 def test_a_name_that_makes_no_class_is_refused(name):
     with pytest.raises(UserError, match=r"f.py: an effect is named after its file, .* got "):
         check_name(name, "f.py", ())

@@ -76,10 +76,3 @@ def test_it_says_at_which_parameters_it_jumps(name: str) -> None:
         return not np.array_equal(written(key, PLACES[0]), written(key, PLACES[-1])) and all(still)
 
     assert {key for key in law.model_fields if jumps_at(key)} <= {*law.jumps}
-
-
-@pytest.mark.parametrize("name", EFFECTS)
-def test_it_is_registered_under_its_own_name_and_an_existing_idea(name: str) -> None:
-    effect = EFFECTS[name]
-    assert effect.name == name
-    assert effect.mechanism in EFFECTS

@@ -20,11 +20,7 @@ from testbench.knit.mechanics.jamming import JammingStiffening
 from tests.testbench.knit.samples import UP, UP_DOWN_UP
 
 
-def factor(effect: MullinsLaw | FatigueLaw, strain: np.ndarray) -> np.ndarray:
-    return factor_at(effect, strain, 0.05)
-
-
-def factor_at(effect: MullinsLaw | FatigueLaw, strain: np.ndarray, dt_s: float) -> np.ndarray:
+def factor(effect: MullinsLaw | FatigueLaw, strain: np.ndarray, dt_s: float = 0.05) -> np.ndarray:
     return effect.apply({"strain": strain, "force_N": np.ones_like(strain)}, dt_s)["force_N"]
 
 
@@ -116,6 +112,6 @@ def test_a_softened_knit_heals_alike_at_every_sampling_rate(dt_s: float) -> None
     time_s = np.arange(0, 40 + dt_s / 2, dt_s)
     strain = np.interp(time_s, [0, 10, 40], [0.0, 0.3, 0.0])  # on the way back it falls by 0.01 / s
     law = MullinsSofteningHealing(softening=0.5, heal_s=2.0, power=1.0, span=0.3)
-    lost = 1 - factor_at(law, strain, dt_s)[np.searchsorted(time_s, 30.0 - 1e-9)]
+    lost = 1 - factor(law, strain, dt_s)[np.searchsorted(time_s, 30.0 - 1e-9)]
     top = 0.1 + 0.01 * 2.0  # a lag of one time constant
     assert lost == pytest.approx(0.5 * top / 0.3 * (1 - 0.1 / top), rel=1e-3)
