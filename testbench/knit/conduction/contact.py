@@ -33,21 +33,11 @@ class Contact(Effect):
     pointwise = ("contact_force_N",)
     look = "conductance rises with force, fast at first"
 
-    contact_resistance_ohm: float = parameter(
-        4e5, unit="ohm", low=1e-3, high=1e10, scale="log", doc="contact resistance at 1 N"
-    )
-    parallel_S: float = parameter(
-        1e-7, unit="S", low=1e-12, high=1e2, scale="log", doc="conductance of the path that needs no contact"
-    )
-    series_ohm: float = parameter(
-        1e4, unit="ohm", low=1e-4, high=1e9, scale="log", doc="resistance of yarn and leads in series"
-    )
-    preload_N: float = parameter(
-        0.2, unit="N", low=1e-3, high=100, scale="log", doc="contact force of the resting knit"
-    )
-    exponent: float = parameter(
-        0.5, unit="1", low=0.2, high=1.2, scale="log", doc="how steeply contacts improve with force"
-    )
+    contact_resistance_ohm: float = parameter(4e5, unit="ohm", low=1e-3, high=1e10, scale="log", doc="at 1 N")
+    parallel_S: float = parameter(1e-7, unit="S", low=1e-12, high=1e2, scale="log", doc="path that needs no contact")
+    series_ohm: float = parameter(1e4, unit="ohm", low=1e-4, high=1e9, scale="log", doc="yarn and leads in series")
+    preload_N: float = parameter(0.2, unit="N", low=1e-3, high=100, scale="log", doc="contact force at rest")
+    exponent: float = parameter(0.5, unit="1", low=0.2, high=1.2, scale="log", doc="growth of contacts with force")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         pressing_N = positive_part(self.preload_N + signals["contact_force_N"], 0.1 * self.preload_N)

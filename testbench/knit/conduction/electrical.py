@@ -117,9 +117,7 @@ class CoatingWearThrough(WearLaw):
     name = "coating_wear_through"
     look = "conductance falls with every cycle, ever faster, not in a rest"
 
-    loss: float = parameter(
-        0.05, unit="1", low=0, high=20, doc="share of the coating lost in 100 units of strain path"
-    )
+    loss: float = parameter(0.05, unit="1", low=0, high=20, doc="share of coating lost in 100 units of strain path")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         return np.log(np.maximum(1 - self.loss * cycled_strain(signals) / 100, 0.01))
@@ -256,9 +254,7 @@ class ElectricalHysteresis(ConductanceLaw):
     look = "conductance over strain is a loop, at any speed, wider (or narrower) than the force's"
 
     gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="shift of ln G when every element slips")
-    threshold: float = parameter(
-        0.02, unit="1", low=5e-4, high=0.5, scale="log", doc="strain after a reversal at which slip is under way"
-    )
+    threshold: float = parameter(0.02, unit="1", low=5e-4, high=0.5, scale="log", doc="strain from a turn to slip")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         return self.gain * mean_slip(signals["strain"], self.threshold)

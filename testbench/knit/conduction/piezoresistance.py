@@ -100,9 +100,7 @@ class YarnElongationPower(ConductanceLaw):
     look = "conductance turns round and falls ever more steeply at high strain, force does not"
 
     gauge: float = parameter(1.0, unit="1", low=0, high=300, doc="gauge factor a `span` beyond the onset")
-    onset: float = parameter(
-        0.2, unit="1", low=0.01, high=2, scale="log", doc="strain where the first loop is straight"
-    )
+    onset: float = parameter(0.2, unit="1", low=0.01, high=2, scale="log", doc="where the first loop is straight")
     power: float = parameter(1.5, unit="1", low=1, high=4, doc="1: all loops at once")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="excess of strain at which gauge holds")
 

@@ -74,9 +74,7 @@ class ContactSaturation(ContactSaturationLaw):
     nonlinear = True
     look = "conductance bends to a plateau at high force, force does not"
 
-    inverse_limit_per_N: float = parameter(
-        0.3, unit="1/N", low=0, high=1e3, doc="inverse of the largest useful force"
-    )
+    inverse_limit_per_N: float = parameter(0.3, unit="1/N", low=0, high=1e3, doc="1 / the largest useful force")
     hardness: float = parameter(3.0, unit="1", low=1, high=20, scale="log", doc="1: soft bend; 20: a corner")
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
@@ -105,9 +103,7 @@ class ContactSaturationHard(ContactSaturationLaw):
     nonlinear = True
     look = "conductance stops rising at a certain force, force does not"
 
-    inverse_limit_per_N: float = parameter(
-        0.3, unit="1/N", low=0, high=1e3, doc="inverse of the largest useful force"
-    )
+    inverse_limit_per_N: float = parameter(0.3, unit="1/N", low=0, high=1e3, doc="1 / the largest useful force")
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return _limits(signals, (0.6, 0.75, 0.85, 0.93, 0.97))
@@ -164,9 +160,7 @@ class ContactHysteresis(Effect):
     look = "conductance over force is a loop, at any speed"
 
     friction_N: float = parameter(0.2, unit="N", low=-100, high=100, doc="shift of the pressing force when slipping")
-    threshold_N: float = parameter(
-        0.2, unit="N", low=1e-3, high=100, scale="log", doc="force after a reversal at which slip is under way"
-    )
+    threshold_N: float = parameter(0.2, unit="N", low=1e-3, high=100, scale="log", doc="force from a turn to slip")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         pressing_N = signals["contact_force_N"]

@@ -147,12 +147,8 @@ class ShoulderBumps(ShoulderLaw):
 
     strength = "weights"
 
-    weights: tuple[float, ...] = parameter(
-        (0.0,) * 14, unit="1", low=-5, high=5, doc="height of each bump over the places"
-    )
-    travel: float = parameter(
-        0.06, unit="1", low=1e-3, high=1, scale="log", doc="strain until a turn is forgotten, over the span"
-    )
+    weights: tuple[float, ...] = parameter((0.0,) * 14, unit="1", low=-5, high=5, doc="height of each bump, by place")
+    travel: float = parameter(0.06, unit="1", low=1e-3, high=1, scale="log", doc="spans until a turn is forgotten")
     late: float = parameter(0.0, unit="1", low=0, high=0.9, doc="share of a turn after which a way back begins")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="largest strain")
 

@@ -31,9 +31,7 @@ class ElectricalOvershootReversal(OvershootLaw):
 
     gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="change of ln G at a reversal")
     tau_s: float = parameter(2.0, unit="s", low=0.5, high=100, scale="log", doc="time in which it settles")
-    rate0_per_s: float = parameter(
-        0.003, unit="1/s", low=1e-4, high=0.1, scale="log", doc="rate below which the knit counts as still"
-    )
+    rate0_per_s: float = parameter(0.003, unit="1/s", low=1e-4, high=0.1, scale="log", doc="still below this rate")
     rise_s: float = parameter(0.05, unit="s", low=0.02, high=30, scale="log", doc="time in which the spike rises")
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:

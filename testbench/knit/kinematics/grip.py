@@ -225,9 +225,7 @@ class SlackGradual(SlackLaw):
     name = "slack_gradual"
     look = "near the start of the travel hardly anything happens, then more and more"
 
-    spread: float = parameter(
-        0.2, unit="1", low=0.02, high=2, scale="log", doc="width of the distribution of the lengths over the slack"
-    )
+    spread: float = parameter(0.2, unit="1", low=0.02, high=2, scale="log", doc="spread of lengths over the slack")
 
     def is_a_bend(self, signals: Signals) -> bool:
         """Yarns of all lengths get straight all along, as in the elasticity of any knit: no end of it is seen."""

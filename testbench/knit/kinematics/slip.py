@@ -145,9 +145,7 @@ class ClampSlipSliding(ClampSlipLaw):
 
     amount: float = parameter(0.02, unit="1", low=0, high=0.5, doc="slip in the end, as strain")
     limit: float = parameter(0.2, unit="1", low=0.01, high=2, scale="log", doc="strain that the grip just holds")
-    work_s: float = parameter(
-        5.0, unit="s", low=1e-3, high=1e4, scale="log", doc="strain times seconds that count as one"
-    )
+    work_s: float = parameter(5.0, unit="s", low=1e-3, high=1e4, scale="log", doc="strain times s that count as one")
     order: float = parameter(20.0, unit="1", low=0.3, high=20, scale="log", doc="how suddenly the sliding ends")
 
     def slipped(self, signals: Signals, dt_s: float) -> FloatArray:

@@ -30,12 +30,8 @@ class Buckling(Effect):
     reads, writes = ("force_N",), ("force_N",)
     look = "on the way back the force ends before the travel does, and stays flat from there"
 
-    pretension_N: float = parameter(
-        0.0, unit="N", low=0, high=1e3, doc="force at the start above that of lying loose"
-    )
-    rounding_N: float = parameter(
-        0.005, unit="N", low=1e-5, high=1e2, scale="log", doc="force over which tension fades"
-    )
+    pretension_N: float = parameter(0.0, unit="N", low=0, high=1e3, doc="force at the start, above lying loose")
+    rounding_N: float = parameter(0.005, unit="N", low=1e-5, high=1e2, scale="log", doc="over which tension fades")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         force = signals["force_N"]

@@ -41,9 +41,7 @@ class MullinsSoftening(MullinsLaw):
     look = "the first stretch to a new length needs more force than all later ones"
 
     softening: float = parameter(0.2, unit="1", low=0, high=0.9, doc="largest share of the force that is lost")
-    width: float = parameter(
-        0.01, unit="1", low=1e-5, high=1, scale="log", doc="drop of e^2/2 over which the softening sets in"
-    )
+    width: float = parameter(0.01, unit="1", low=1e-5, high=1, scale="log", doc="drop of e^2/2 over which it sets in")
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
         from scipy.special import erf
@@ -198,9 +196,7 @@ class CyclicFatigue(LevellingOff):
     name = "cyclic_fatigue"
     look = "the peaks of the force sink from cycle to cycle, not in a hold"
 
-    scale: float = parameter(
-        5.0, unit="1", low=0.1, high=1e5, scale="log", doc="strain path after which 63 % of it is lost"
-    )
+    scale: float = parameter(5.0, unit="1", low=0.1, high=1e5, scale="log", doc="strain path for 63 % of it")
 
     def tired(self, signals: Signals) -> FloatArray:
         return -np.expm1(-cycled_strain(signals) / self.scale)
@@ -265,9 +261,7 @@ class CyclicFatigueSwings(LevellingOff):
     name = "cyclic_fatigue_swings"
     look = "the peaks of the force sink after each large cycle, hardly with many small ones"
 
-    scale: float = parameter(
-        2.0, unit="1", low=0.01, high=1e5, scale="log", doc="weighted strain path after which 63 % of it is lost"
-    )
+    scale: float = parameter(2.0, unit="1", low=0.01, high=1e5, scale="log", doc="weighted path for 63 % of it")
     power: float = parameter(2.0, unit="1", low=0.3, high=8, scale="log", doc="how much more large swings count")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain at which the path counts once")
 

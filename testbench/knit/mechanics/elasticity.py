@@ -95,9 +95,7 @@ class Elasticity(ElasticLaw):
     linear = ("offset_N", "stiffness_N")
     bends = tuple({"curvature": curvature} for curvature in (-4.0, -2.0, -0.5, 0.5, 1.5, 3.0, 5.0, 8.0, 12.0))
 
-    stiffness_N: float = parameter(
-        8.0, unit="N", low=1e-3, high=1e4, scale="log", doc="slope of force over strain at zero strain"
-    )
+    stiffness_N: float = parameter(8.0, unit="N", low=1e-3, high=1e4, scale="log", doc="slope at zero strain")
     curvature: float = parameter(3.0, unit="1", low=-10, high=30, doc="how fast the slope grows with strain")
     offset_N: float = parameter(0.0, unit="N", low=-100, high=100, doc="force at zero strain (not tared)")
 

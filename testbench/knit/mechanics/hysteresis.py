@@ -42,15 +42,9 @@ class Hysteresis(FrictionLaw):
     name = "hysteresis"
     look = "force is higher while stretching than while releasing, at any speed"
 
-    friction_N: float = parameter(
-        0.3, unit="N", low=0, high=100, typical=0.05, doc="friction force when every element slips"
-    )
-    threshold: float = parameter(
-        0.02, unit="1", low=5e-4, high=0.5, scale="log", doc="strain after a reversal at which slip is under way"
-    )
-    growth: float = parameter(
-        0.0, unit="1", low=-1, high=30, typical=2.0, doc="relative growth of friction per unit strain"
-    )
+    friction_N: float = parameter(0.3, unit="N", low=0, high=100, typical=0.05, doc="force when every element slips")
+    threshold: float = parameter(0.02, unit="1", low=5e-4, high=0.5, scale="log", doc="strain from a turn to slip")
+    growth: float = parameter(0.0, unit="1", low=-1, high=30, typical=2.0, doc="relative growth per unit strain")
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
         e = signals["strain"]
@@ -66,16 +60,12 @@ class PressedFriction(FrictionLaw):
     Source: Euler's capstan equation; of yarn on yarn: Howell, J. Text. Inst. 44 (1953) T359.
     """
 
-    friction_N: float = parameter(
-        0.3, unit="N", low=0, high=100, typical=0.05, doc="friction force at `tension_N`, when it slips"
-    )
+    friction_N: float = parameter(0.3, unit="N", low=0, high=100, typical=0.05, doc="force at `tension_N`, slipping")
     pressed: float = parameter(
         0.5, unit="1", low=0, high=1, doc="share of it that the tension presses on; the rest is there without load"
     )
     tension_N: float = parameter(3.0, unit="N", low=1e-3, high=1e4, doc="force at which the friction is given")
-    threshold: float = parameter(
-        0.02, unit="1", low=5e-4, high=0.5, scale="log", doc="strain after a reversal at which slip is under way"
-    )
+    threshold: float = parameter(0.02, unit="1", low=5e-4, high=0.5, scale="log", doc="strain from a turn to slip")
 
     def deflection(self, e: FloatArray) -> FloatArray:
         """z, in [-1, 1], shape (n,): what part of the friction acts, and which way."""
@@ -99,9 +89,7 @@ class HysteresisOnTension(PressedFriction):
     name = "hysteresis_on_tension"
     look = "force is higher while stretching than while releasing, the more the higher it is"
 
-    spread: float = parameter(
-        1.0, unit="1", low=0.05, high=3, scale="log", doc="how far the break-away strains differ, in their logarithm"
-    )
+    spread: float = parameter(1.0, unit="1", low=0.05, high=3, scale="log", doc="spread of ln break-away strain")
 
     def deflection(self, e: FloatArray) -> FloatArray:
         from testbench.knit.kernels import mean_stop
@@ -127,9 +115,7 @@ class HysteresisBoucWen(PressedFriction):
     look = "force is higher while stretching than while releasing, with smooth corners"
 
     skew: float = parameter(0.3, unit="1", low=0, high=0.9, doc="0: stiff after a turn, as dry friction; 1: no loop")
-    exponent: float = parameter(
-        1.0, unit="1", low=1, high=3, scale="log", doc="how sharp the corner between sticking and slipping is"
-    )
+    exponent: float = parameter(1.0, unit="1", low=1, high=3, scale="log", doc="how sharply sticking turns to slip")
 
     def deflection(self, e: FloatArray) -> FloatArray:
         return kept_bouc_wen(e, self.threshold, self.skew, self.exponent)

@@ -80,9 +80,7 @@ class JammingStiffeningLocking(JammingLaw):
     strength = "force_N"
     look = "force rises ever more steeply towards one strain"
 
-    force_N: float = parameter(
-        0.5, unit="N", low=0, high=1e3, doc="force added at half the locking strain, times two"
-    )
+    force_N: float = parameter(0.5, unit="N", low=0, high=1e3, doc="twice the force at half the locking strain")
     limit: float = parameter(0.5, unit="1", low=0.05, high=5, scale="log", doc="locking strain")
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:

@@ -150,9 +150,7 @@ class ViscousRateStiffeningPower(RateFactor):
     name = "viscous_rate_stiffening_power"
     look = "the faster, the stiffer, in proportion to the force; strongest change at slow rates"
 
-    gain: float = parameter(
-        0.1, unit="1", low=0, high=3, doc="relative force added at 0.1 / s, where `rate0` is far below that"
-    )
+    gain: float = parameter(0.1, unit="1", low=0, high=3, doc="relative force at 0.1 / s, if `rate0` is far below")
     exponent: float = parameter(0.4, unit="1", low=0.1, high=1.5, scale="log", doc="power of the rate")
     rate0_per_s: float = parameter(1e-4, unit="1/s", low=1e-5, high=0.1, scale="log", doc=RATE0_DOC)
 

@@ -135,9 +135,7 @@ class StressRelaxationFindley(StressRelaxationLaw):
     name = "stress_relaxation_findley"
     look = "in a hold the force sinks over all times at once, towards a level that it keeps"
 
-    fraction: float = parameter(
-        0.4, unit="1", low=0, high=0.99, typical=0.7, doc="share of the force that is lost in the end"
-    )
+    fraction: float = parameter(0.4, unit="1", low=0, high=0.99, typical=0.7, doc="share of force lost in the end")
     exponent: float = parameter(0.3, unit="1", low=0.02, high=3, scale="log", doc="slope of the decay, log-log")
     tau_s: float = parameter(1.0, unit="s", low=0.01, high=300, scale="log", doc="when the power law sets in")
 
@@ -230,9 +228,7 @@ class RelaxingArm(ForceLaw):
     mechanism = "stress_relaxation"
     strength = "arm_force_N"
 
-    arm_force_N: float = parameter(
-        0.3, unit="N", low=0, high=100, doc="force of the arm that is lost in the end at `span`"
-    )
+    arm_force_N: float = parameter(0.3, unit="N", low=0, high=100, doc="force of the arm lost in the end at `span`")
     power: float = parameter(1.0, unit="1", low=0.3, high=4, scale="log", doc="1: the arm is as stiff at any strain")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain over which the power is counted")
 

@@ -35,9 +35,7 @@ class LoadCellCreep(LoadCellLaw):
     name = "load_cell_creep"
     look = "in a hold the force reading creeps while the conductance holds; after a release zero is off"
 
-    fraction: float = parameter(
-        0.02, unit="1", low=-1, high=1, typical=1e-3, doc="share of the load by which it creeps"
-    )
+    fraction: float = parameter(0.02, unit="1", low=-1, high=1, typical=1e-3, doc="creep as a share of the load")
     tau_s: float = parameter(300.0, unit="s", low=5, high=1e4, scale="log", doc="time constant of the creep")
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
@@ -58,9 +56,7 @@ class LoadCellCreepTwoTimes(LoadCellLaw):
     name = "load_cell_creep_two_times"
     look = "in a hold the force reading creeps within seconds, and then on for minutes, while the conductance holds"
 
-    fraction: float = parameter(
-        0.02, unit="1", low=-1, high=1, typical=1e-3, doc="share of the load by which it creeps"
-    )
+    fraction: float = parameter(0.02, unit="1", low=-1, high=1, typical=1e-3, doc="creep as a share of the load")
     fast_s: float = parameter(30.0, unit="s", low=2, high=300, scale="log", doc="time of the quick step")
     slow_s: float = parameter(400.0, unit="s", low=30, high=1e4, scale="log", doc="time of the slow step")
     share: float = parameter(0.5, unit="1", low=0, high=1, doc="share of the quick step")
@@ -85,9 +81,7 @@ class LoadCellCreepLog(LoadCellLaw):
     strength = "per_decade"
     look = "in a hold the force reading creeps ever more slowly while the conductance holds"
 
-    per_decade: float = parameter(
-        0.01, unit="1", low=-0.5, high=0.5, typical=3e-4, doc="relative creep per decade of time"
-    )
+    per_decade: float = parameter(0.01, unit="1", low=-0.5, high=0.5, typical=3e-4, doc="relative creep per decade")
     tau_s: float = parameter(3.0, unit="s", low=0.05, high=300, scale="log", doc="when the creep sets in")
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:

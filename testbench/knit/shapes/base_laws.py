@@ -82,9 +82,7 @@ class HysteresisShape(ForceLaw):
     strength = "weights_N"
     look = "the misfit of force depends on the direction of motion and on the last reversals, at any speed"
 
-    weights_N: tuple[float, ...] = parameter(
-        (0.0,) * LOOPS, unit="N", low=-1e3, high=1e3, doc="friction of each operator"
-    )
+    weights_N: tuple[float, ...] = parameter((0.0,) * LOOPS, unit="N", low=-1e3, high=1e3, doc="friction of each")
     growth_N: tuple[float, ...] = parameter(
         (0.0,) * (2 * LOOPS), unit="N", low=-1e3, high=1e3, doc="its growth over the strain span and its square"
     )
