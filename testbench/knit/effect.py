@@ -40,6 +40,7 @@ from gcode.support.errors import UserError
 from gcode.support.kinds import is_number, only_by_name
 
 Signals = Mapping[str, FloatArray]
+Points = list[dict[str, Any]]  # of parameters, where a fit may start
 OURS = "testbench.knit."  # effects from elsewhere are watched, for their mistakes would look like findings
 
 
@@ -243,7 +244,7 @@ class Effect(BaseModel):
         """Whether a law of the base that is not quite the sensor's would look the same in this motion."""
         return self.bends_a_law
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         """Points of the parameters where a fit may start on these data; default: none, a coarse grid of the bounds.
 
         What lies beyond a bound is moved onto it; parameters that a point leaves out stay as they are.
@@ -269,7 +270,7 @@ class Effect(BaseModel):
         points = self.starting_points(signals, residual)
         return self.near(**points[0]) if points else self
 
-    def starting_points(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starting_points(self, signals: Signals, residual: Signals) -> Points:
         """The `starts` on these data; a mistake in those of a user's own effect is told in a sentence."""
         with nullcontext() if is_ours(self) else watched(self, f"effect {self.name}: starts"):
             return self.starts(signals, residual)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from testbench.knit.conduction.contact_relaxation import SpotsLaw
 from testbench.knit.conduction.turning import since_turn_s
-from testbench.knit.effect import FloatArray, Signals, parameter
+from testbench.knit.effect import FloatArray, Points, Signals, parameter
 
 
 class ContactAgeing(SpotsLaw):
@@ -33,6 +31,6 @@ class ContactAgeing(SpotsLaw):
         age_s, _, _ = since_turn_s(np.ascontiguousarray(signals["strain"]), self.back, dt_s)
         return self.gain * np.log1p(age_s / self.tau_s)
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         # No gradient leads from one number of turns to another.
         return [{"back": back, "tau_s": tau_s} for back in (0.002, 0.005, 0.01, 0.02) for tau_s in (0.3, 2.0)]

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from testbench.knit.additive import ConductanceLaw
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.effect import Effect, FloatArray, Points, Signals, Stage, parameter
 from testbench.knit.filters import highpass, log_conductance, lowpass, memory, memory_of_box, memory_of_decades
 
 SPOTS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)  # quicker is an overshoot
@@ -181,7 +179,7 @@ class ContactRelaxationActivated(SpotsLaw):
         mean_per_s = 0.5 * (per_s + np.r_[per_s[0], per_s[:-1]])  # over the step that ends at each sample
         return -self.fraction * (varying_lowpass(log_g, np.exp(-dt_s * mean_per_s)) - log_g[0])
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         return [{"tau_s": tau_s, "activation": a} for tau_s in (15.0, 50.0, 150.0) for a in (0.7, 2.0)]
 
 

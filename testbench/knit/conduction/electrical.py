@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from testbench.knit.additive import ConductanceLaw
-from testbench.knit.effect import FloatArray, Signals, parameter
+from testbench.knit.effect import FloatArray, Points, Signals, parameter
 from testbench.knit.mechanics.damage import cycled_strain, weibull, weibull_points
 from testbench.knit.mechanics.hysteresis import mean_slip
 
@@ -179,7 +177,7 @@ class CoatingWearWeibull(WearLaw):
     scale: float = parameter(5.0, unit="1", low=0.1, high=1e5, scale="log", doc="strain path for 63 % of it")
     shape: float = parameter(0.6, unit="1", low=0.2, high=4, scale="log", doc="below 1: early; above 1: late")
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         return weibull_points(cycled_strain(signals))
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
@@ -214,7 +212,7 @@ class CoatingCracksWeibull(CracksLaw):
         cracked = weibull(np.maximum.accumulate(signals["strain"]), self.scale, self.shape)
         return -self.loss * (cracked - cracked[0])
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         top = float(np.max(signals["strain"]))
         return [{"scale": share * top, "shape": shape} for share in (0.4, 0.7, 1.0, 2.0) for shape in (0.7, 2.0, 6.0)]
 

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from testbench.knit.additive import ConductanceLaw, ForceFactor
-from testbench.knit.effect import Effect, FloatArray, Signals, parameter
+from testbench.knit.effect import Effect, FloatArray, Points, Signals, parameter
 from testbench.knit.filters import lowpass
 
 WANDER_STEPS = 21
@@ -83,7 +81,7 @@ class SelfHeatingTwoMasses(SelfHeatingLaw):
         yarn, fabric = (lowpass(power, tau_s, dt_s, start=0.0) for tau_s in taus_s)
         return self.coefficient * (self.share * yarn + (1 - self.share) * fabric)
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         return [{"fast_s": fast_s, "slow_s": slow_s} for fast_s in (4.0, 12.0, 30.0) for slow_s in (150.0, 500.0)]
 
 
@@ -147,7 +145,7 @@ class SelfHeatingDivider(OneMass):
         ratio = self.match * conductance_S[0] / conductance_S
         return 4 * ratio / (1 + ratio) ** 2
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         conductance, end_s = signals["conductance_S"], float(signals["time_s"][-1])
         # matched at the middle, the top and the bottom of what the sensor shows
         matches = [float(np.quantile(conductance, q) / conductance[0]) for q in (0.1, 0.5, 0.9)]

@@ -5,13 +5,11 @@ The laws take the place of `contact` in a model: they need no force, and make th
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from testbench.knit.additive import ConductanceLaw
 from testbench.knit.conduction.contact import positive_part
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.effect import Effect, FloatArray, Points, Signals, Stage, parameter
 
 CAP = 60.0  # e^60 is beyond all resistances; it keeps a wild fit finite
 
@@ -26,7 +24,7 @@ class PiezoresistiveLaw(Effect):
 
     rest_ohm: float = parameter(1e5, unit="ohm", low=1e-3, high=1e12, scale="log", doc="resistance at zero strain")
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         """Resistance at rest, from the measured conductance at the smallest strains."""
         if "conductance_S" not in signals:
             return []

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.effect import Effect, FloatArray, Points, Signals, Stage, parameter
 from testbench.knit.mechanics.hysteresis import mean_slip
 
 
@@ -43,7 +41,7 @@ class ContactDrive(Effect):
         return {"contact_force_N": felt_N}
 
 
-def _limits(signals: Signals, quantiles: tuple[float, ...]) -> list[dict[str, Any]]:
+def _limits(signals: Signals, quantiles: tuple[float, ...]) -> Points:
     """Saturation at these quantiles of the contact force."""
     limits_N = (float(np.quantile(signals["contact_force_N"], q)) for q in quantiles)
     return [{"inverse_limit_per_N": 1 / limit_N} for limit_N in limits_N if limit_N > 1e-3]
@@ -77,7 +75,7 @@ class ContactSaturation(ContactSaturationLaw):
     inverse_limit_per_N: float = parameter(0.3, unit="1/N", low=0, high=1e3, doc="1 / the largest useful force")
     hardness: float = parameter(3.0, unit="1", low=1, high=20, scale="log", doc="1: soft bend; 20: a corner")
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         points = _limits(signals, (0.5, 0.75, 0.9, 0.97))
         return [point | {"hardness": hardness} for point in points for hardness in (1.0, 2.0, 4.0)]
 
@@ -105,7 +103,7 @@ class ContactSaturationHard(ContactSaturationLaw):
 
     inverse_limit_per_N: float = parameter(0.3, unit="1/N", low=0, high=1e3, doc="1 / the largest useful force")
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         return _limits(signals, (0.6, 0.75, 0.85, 0.93, 0.97))
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
@@ -135,7 +133,7 @@ class ContactSaturationBend(ContactSaturationLaw):
         beyond_N = self.width_N * np.logaddexp(0.0, (pressing_N - self.limit_N) / self.width_N)
         return {"contact_force_N": pressing_N - self.share * beyond_N}
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         pressing_N = signals["contact_force_N"]
         range_N = max(float(np.ptp(pressing_N)), 1e-2)
         limits_N = [float(np.quantile(pressing_N, q)) for q in (0.3, 0.55, 0.75, 0.9)]

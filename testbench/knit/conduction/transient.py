@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from testbench.knit.additive import ConductanceLaw
-from testbench.knit.effect import FloatArray, Signals, parameter
+from testbench.knit.effect import FloatArray, Points, Signals, parameter
 from testbench.knit.filters import highpass, log_conductance, lowpass, moving, rate
 
 SETTLING_S = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
@@ -105,7 +103,7 @@ class ElectricalOvershootMotion(OvershootLaw):
         in_motion = np.tanh(np.abs(moving(signals["strain"], dt_s)) / self.rate0_per_s)
         return self.gain * lowpass(in_motion, self.tau_s, dt_s)
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         return [{"tau_s": tau_s, "rate0_per_s": r} for tau_s in (0.1, 1.0, 5.0) for r in (0.005, 0.02, 0.08)]
 
 

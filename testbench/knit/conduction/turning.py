@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from testbench.knit.conduction.transient import OvershootLaw
-from testbench.knit.effect import FloatArray, Signals, parameter
+from testbench.knit.effect import FloatArray, Points, Signals, parameter
 from testbench.knit.filters import highpass, lowpass, moving
 
 # Spikes to try: sudden ones, and ones that rise as slowly as they settle.
-SPIKES: list[dict[str, Any]] = [
+SPIKES: Points = [
     *({"tau_s": tau_s, "rise_s": 0.05} for tau_s in (0.7, 2.0, 6.0, 20.0)),
     *({"tau_s": tau_s, "rise_s": tau_s} for tau_s in (1.0, 3.0, 8.0)),
 ]
@@ -34,7 +32,7 @@ class ElectricalOvershootReversal(OvershootLaw):
     rate0_per_s: float = parameter(0.003, unit="1/s", low=1e-4, high=0.1, scale="log", doc="still below this rate")
     rise_s: float = parameter(0.05, unit="s", low=0.02, high=30, scale="log", doc="time in which the spike rises")
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         return SPIKES
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
@@ -61,7 +59,7 @@ class ElectricalOvershootTurn(OvershootLaw):
     back: float = parameter(0.004, unit="1", low=2e-4, high=0.1, scale="log", doc="half the strain that makes a turn")
     rise_s: float = parameter(0.05, unit="s", low=0.02, high=30, scale="log", doc="time in which the spike rises")
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         return SPIKES
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
@@ -125,7 +123,7 @@ class ElectricalOvershootAnew(OvershootLaw):
     back: float = parameter(0.01, unit="1", low=5e-4, high=0.2, scale="log", doc="strain that makes a turn")
     early: float = parameter(1.0, unit="1", low=0, high=1, doc="0: time runs from the way back, 1: from the turn")
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         # No gradient leads from one number of turns to another. What rises slowly hardly shows where it began.
         spikes = [
             spike | {"early": early} for spike in SPIKES for early in (0.0, 1.0) if early or spike["rise_s"] < 0.1

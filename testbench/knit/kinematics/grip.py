@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of, parameter
+from testbench.knit.effect import Effect, FloatArray, Points, Signals, Stage, bounds_of, parameter
 from testbench.knit.kinematics.jumps import SIGNAL, steepness
 from testbench.knit.shapes.waves import harmonics_parameter, wave_of
 
@@ -54,7 +52,7 @@ class ActuatorBacklash(BacklashLaw):
         half_widths = 0.5 * self.gap * (1 + self.spread * JOINTS)
         return {"strain": play(signals["strain"], half_widths).mean(axis=0)}
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         return [{"spread": spread} for spread in (0.0, 0.5)]
 
 
@@ -143,7 +141,7 @@ class LeadscrewRipple(Effect):
     def is_a_bend(self, signals: Signals) -> bool:
         return float(np.ptp(signals["strain"])) < BEND_TURNS * self.pitch
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         """The pitches whose waves over the strain, times the slope of the channel, follow the misfit best."""
         strain = signals["strain"]
         pitches = float(np.ptp(strain)) / np.arange(1.0, MOST_TURNS, 0.5)  # turns over the range of the strain
@@ -190,7 +188,7 @@ class SlackLaw(Effect):
 
     slack: float = parameter(0.02, unit="1", low=0, high=1.5, doc="strain that is taken up without force")
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         """Slack that ends somewhere within the motion."""
         longest = float(np.max(signals["strain"]))
         return [{"slack": share * longest} for share in TAKEN_UP if share * longest > 0]
@@ -240,5 +238,5 @@ class SlackGradual(SlackLaw):
         straight = np.logaddexp(0.0, out - 1 / self.spread) - np.logaddexp(0.0, -1 / self.spread)
         return {"strain": np.minimum(strain, 0.0) + width * straight}
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         return [{**one, "spread": spread} for one in super().starts(signals, residual) for spread in (0.1, 0.4)]

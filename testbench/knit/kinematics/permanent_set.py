@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from testbench.knit.effect import FloatArray, Signals, parameter
+from testbench.knit.effect import FloatArray, Points, Signals, parameter
 from testbench.knit.filters import lowpass
 from testbench.knit.kinematics.length import TAUT, Lengthening, overload_s
 from testbench.knit.mechanics.damage import cycled_strain
@@ -21,11 +19,11 @@ class PermanentSetLaw(Lengthening):
     mechanism = "permanent_set"
     strength = "fraction"
 
-    def points(self, top: float) -> list[dict[str, Any]]:
+    def points(self, top: float) -> Points:
         """Where a fit may start on a recording whose largest strain is `top`; not of what `Lengthening` declares."""
         raise NotImplementedError
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         """Whether the added length stretches with the rest is for the data to say: a search from halfway finds it."""
         points = self.points(float(np.max(signals["strain"])))
         return [point | {"renewed": RENEWED, "pretension": at} for point in points for at in LIMP_OR_TAUT]
@@ -53,7 +51,7 @@ class PermanentSet(PermanentSetLaw):
         followed = np.maximum.accumulate(lowpass(signals["strain"], self.tau_s, dt_s))
         return self.fraction * (followed - followed[0])
 
-    def points(self, top: float) -> list[dict[str, Any]]:
+    def points(self, top: float) -> Points:
         return [{"tau_s": tau_s} for tau_s in (0.1, 1.0, 10.0, 60.0, 300.0, 1500.0)]
 
 
@@ -82,7 +80,7 @@ class PermanentSetYield(PermanentSetLaw):
         grown = beyond**self.power
         return self.fraction * self.span * (grown - grown[0])
 
-    def points(self, top: float) -> list[dict[str, Any]]:
+    def points(self, top: float) -> Points:
         linear = [{"limit": share * top} for share in (0.05, 0.15, 0.3, 0.5, 0.7)]
         hardening = [{"limit": 0.02 * top, "power": power} for power in (1.7, 2.5)]
         return [*linear, *hardening]
@@ -114,7 +112,7 @@ class PermanentSetViscoplastic(PermanentSetLaw):
         over = (signals["strain"] - self.limit) / self.span
         return self.span * overstress_flow(over, self.rate_per_s * dt_s, 1 + self.hardening, self.power)
 
-    def points(self, top: float) -> list[dict[str, Any]]:
+    def points(self, top: float) -> Points:
         return [{"limit": share * top} for share in (0.1, 0.35, 0.6)]
 
 
@@ -137,7 +135,7 @@ class PermanentSetRecovering(PermanentSetLaw):
         strain = signals["strain"]
         return self.fraction * (lowpass(strain, self.tau_s, dt_s) - strain[0])
 
-    def points(self, top: float) -> list[dict[str, Any]]:
+    def points(self, top: float) -> Points:
         return [{"tau_s": tau_s} for tau_s in (40.0, 150.0, 500.0, 1500.0)]
 
 
@@ -160,7 +158,7 @@ class PermanentSetWorked(PermanentSetLaw):
     def added(self, signals: Signals, dt_s: float) -> FloatArray:
         return -self.amount * np.expm1(-cycled_strain(signals) / self.scale)
 
-    def points(self, top: float) -> list[dict[str, Any]]:
+    def points(self, top: float) -> Points:
         return [{"scale": scale} for scale in (0.5, 3.0, 15.0, 60.0, 300.0)]
 
 
@@ -187,5 +185,5 @@ class PermanentSetCreep(PermanentSetLaw):
         share = np.maximum(signals["strain"], 0.0) / self.span
         return self.amount * np.log1p(overload_s(share**self.power, 0.0, dt_s) / self.scale_s)
 
-    def points(self, top: float) -> list[dict[str, Any]]:
+    def points(self, top: float) -> Points:
         return [{"scale_s": scale_s, "power": power} for scale_s in (3.0, 20.0, 150.0) for power in (1.0, 2.5)]

@@ -6,11 +6,10 @@ A set of the knit is smooth; what jumps is the clamp.
 from __future__ import annotations
 
 import itertools
-from typing import Any
 
 import numpy as np
 
-from testbench.knit.effect import FloatArray, Signals, parameter, step_s
+from testbench.knit.effect import FloatArray, Points, Signals, parameter, step_s
 from testbench.knit.kinematics.length import Lengthening, overload_s
 
 MOST_SLIPS = 12
@@ -63,7 +62,7 @@ class ClampSlip(ClampSlipLaw):
         slips = np.maximum(steps, 0.0)
         return self.fraction * self.step * (slips - slips[0])
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         top = float(np.max(signals["strain"]))
         return [
             {"limit": limit * top, "step": step * top}
@@ -93,7 +92,7 @@ class ClampSlipRepeated(ClampSlipLaw):
 
         return self.amount * crossings(signals["strain"], self.limit, max(self.limit - 0.02, 0.5 * self.limit))
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         top = float(np.max(signals["strain"]))
         return [{"limit": share * top} for share in (0.4, 0.6, 0.75, 0.9)]
 
@@ -119,7 +118,7 @@ class ClampSlipOnce(ClampSlipLaw):
     def slipped(self, signals: Signals, dt_s: float) -> FloatArray:
         return self.amount * (signals["time_s"] >= self.when_s)
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         """The largest slips that the misfit shows, or a few moments of the recording."""
         from testbench.knit.kinematics.jumps import slips
 
@@ -152,7 +151,7 @@ class ClampSlipSliding(ClampSlipLaw):
         slid = overload_s(signals["strain"], self.limit, dt_s)
         return self.amount * (1 - (1 + slid / (self.order * self.work_s)) ** -self.order)
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         points = []
         for share in (0.5, 0.65, 0.8):
             limit = max(share * float(np.max(signals["strain"])), 0.01)
@@ -192,7 +191,7 @@ class ClampSlipEvents(ClampSlipLaw):
                 slipped += amount * (signals["time_s"] >= when_s)
         return slipped
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         from testbench.knit.kinematics.jumps import slips
 
         found = slips(signals, residual)[:MOST_SLIPS]

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.effect import Effect, FloatArray, Points, Signals, Stage, parameter
 
 PLATEAU = 0.1  # of the range of the strain, travelled at the lowest force: the fabric may lie loose
 AT_REST = 0.02  # of the range of the force: how near to the lowest
@@ -38,7 +36,7 @@ class Buckling(Effect):
         loose = force[0] - self.pretension_N
         return {"force_N": loose + self.rounding_N * np.logaddexp(0.0, (force - loose) / self.rounding_N)}
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         """Where the force stays at its lowest over a part of the travel; no point where it does not."""
         strain, force = signals["strain"], signals["force_N"]
         level, span = float(np.min(force)), float(np.ptp(force))

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from testbench.knit.additive import ForceFactor
-from testbench.knit.effect import FloatArray, Signals, parameter
+from testbench.knit.effect import FloatArray, Points, Signals, parameter
 from testbench.knit.filters import DEAD_BAND_STRAIN, factor_of
 from testbench.knit.shapes.curves import LAW_TERMS, curve
 
@@ -158,7 +156,7 @@ def weibull(x: FloatArray, scale: float, shape: float) -> FloatArray:
     return -np.expm1(-((np.maximum(x, 0.0) / scale) ** shape))
 
 
-def weibull_points(path: FloatArray) -> list[dict[str, Any]]:
+def weibull_points(path: FloatArray) -> Points:
     """Scales and shapes of `weibull` where a fit may start on a path, shape (n,)."""
     whole = max(float(path[-1]), 1e-3)
     return [{"scale": share * whole, "shape": shape} for share in (0.2, 1.0, 5.0) for shape in (0.4, 0.7, 1.5, 3.0)]
@@ -239,7 +237,7 @@ class CyclicFatigueWeibull(CyclicFatigue):
 
     shape: float = parameter(0.6, unit="1", low=0.2, high=4, scale="log", doc="below 1: early; above 1: late")
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         return weibull_points(cycled_strain(signals))
 
     def tired(self, signals: Signals) -> FloatArray:
@@ -265,7 +263,7 @@ class CyclicFatigueSwings(LevellingOff):
     power: float = parameter(2.0, unit="1", low=0.3, high=8, scale="log", doc="how much more large swings count")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain at which the path counts once")
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         whole = {power: max(float(self._damage(signals, power)[-1]), 1e-3) for power in (1.0, 3.0)}
         return [{"power": power, "scale": share * n} for power, n in whole.items() for share in (0.2, 1.0, 5.0)]
 

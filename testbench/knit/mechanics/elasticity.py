@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of, parameter
+from testbench.knit.effect import Effect, FloatArray, Points, Signals, Stage, bounds_of, parameter
 
 LEVELS = 50  # of the strain that count alike where a law is drawn to data
 NEAREST = 0.98  # to the end of its chains, where a law that locks is still looked at
@@ -35,7 +35,7 @@ class ElasticLaw(Effect):
         curves = self.curves(signals["strain"])
         return {"force_N": sum(getattr(self, key) * curve for key, curve in zip(self.linear, curves, strict=True))}
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         """Where the law follows the measured force best, its loops averaged, each strain alike.
 
         A hold of half an hour says nothing of the other strains.

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from testbench.knit.additive import ForceLaw
-from testbench.knit.effect import FloatArray, Signals, parameter
+from testbench.knit.effect import FloatArray, Points, Signals, parameter
 
 
 class JammingLaw(ForceLaw):
@@ -40,7 +38,7 @@ class JammingStiffening(JammingLaw):
         within = np.minimum(beyond, self.width)
         return self.stiffness_N * (beyond - within + within**2 / (2 * self.width))
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         top = float(np.max(signals["strain"]))
         onsets = [share * top for share in (0.35, 0.5, 0.62, 0.72, 0.82, 0.9)]
         return [{"onset": onset, "width": width} for onset in onsets for width in (0.02, 0.3)]
@@ -87,6 +85,6 @@ class JammingStiffeningLocking(JammingLaw):
         e = np.clip(signals["strain"] / self.limit, 0.0, 0.99)
         return self.force_N * e * e / (1 - e)
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         top = float(np.max(signals["strain"]))
         return [{"limit": share * top} for share in (1.03, 1.1, 1.25, 1.5, 2.0) if share * top > 0.05]

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from testbench.knit.additive import ForceFactor, ForceLaw
-from testbench.knit.effect import FloatArray, Signals, parameter
+from testbench.knit.effect import FloatArray, Points, Signals, parameter
 from testbench.knit.filters import highpass, rate
 from testbench.knit.shapes.curves import LAW_TERMS, curve
 
@@ -20,7 +18,7 @@ def _power_of_rate(strain: FloatArray, dt_s: float, exponent: float, rate0_per_s
     return speed * (speed**2 + (rate0_per_s / REFERENCE_RATE_PER_S) ** 2) ** (0.5 * (exponent - 1))
 
 
-def _powers_of_rate(*exponents: float) -> list[dict[str, Any]]:
+def _powers_of_rate(*exponents: float) -> Points:
     return [{"exponent": exponent, "rate0_per_s": rate0} for exponent in exponents for rate0 in (1e-4, 4e-3)]
 
 
@@ -59,7 +57,7 @@ class ViscousRateStiffening(DashpotLaw):
     exponent: float = parameter(1.0, unit="1", low=0.2, high=1.5, doc="1: linear dashpot; smaller: shear thinning")
     rate0_per_s: float = parameter(1e-4, unit="1/s", low=1e-5, high=0.1, scale="log", doc=RATE0_DOC)
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         return _powers_of_rate(0.3, 0.6, 1.0, 1.3)
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
@@ -87,7 +85,7 @@ class ViscousRateStiffeningMaxwell(DashpotLaw):
     power: float = parameter(1.0, unit="1", low=0.5, high=4, scale="log", doc="1: the arm is as stiff at any strain")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain over which the power is counted")
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         return [{"tau_s": tau_s, "power": power} for tau_s in (0.1, 0.3, 0.8) for power in (1.0, 2.0)]
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
@@ -154,7 +152,7 @@ class ViscousRateStiffeningPower(RateFactor):
     exponent: float = parameter(0.4, unit="1", low=0.1, high=1.5, scale="log", doc="power of the rate")
     rate0_per_s: float = parameter(1e-4, unit="1/s", low=1e-5, high=0.1, scale="log", doc=RATE0_DOC)
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         return _powers_of_rate(0.15, 0.35, 0.7, 1.1)
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
@@ -218,7 +216,7 @@ class ViscousRateStiffeningCurve(RateFactor):
     weights: tuple[float, ...] = parameter((0.0,) * LAW_TERMS, unit="1", low=-3, high=3, doc="weights of the curve")
     reach_per_s: float = parameter(0.1, unit="1/s", low=1e-6, high=10, scale="log", doc="largest rate")
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         strain, time_s = signals["strain"], signals["time_s"]
         return [{"reach_per_s": float(np.max(np.abs(rate(strain, float(time_s[1] - time_s[0])))))}]
 

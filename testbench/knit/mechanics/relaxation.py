@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from testbench.knit import spectra
 from testbench.knit.additive import ForceLaw
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.effect import Effect, FloatArray, Points, Signals, Stage, parameter
 from testbench.knit.filters import lowpass, memory, memory_of_box, memory_of_decades, memory_of_two_times
 
 PRONY_S = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
@@ -75,7 +73,7 @@ class StressRelaxationTwoTimes(StressRelaxationLaw):
     def lost_N(self, force_N: FloatArray, dt_s: float) -> FloatArray:
         return memory_of_two_times(force_N, self.fraction, self.share, self.fast_s, self.slow_s, dt_s)
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         return [{"fast_s": fast_s, "slow_s": slow_s} for fast_s in (1.5, 6.0, 20.0) for slow_s in (60.0, 300.0)]
 
 
@@ -143,7 +141,7 @@ class StressRelaxationFindley(StressRelaxationLaw):
         times, weights = spectra.power(self.tau_s, self.exponent)
         return self.fraction * memory(force_N, times, weights, dt_s)
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         return STARTS_OF_A_POWER
 
 
@@ -281,7 +279,7 @@ class StressRelaxationArmPower(RelaxingArm):
     def decayed(self, x: FloatArray, dt_s: float) -> FloatArray:
         return memory(x, *spectra.power(self.tau_s, self.exponent), dt_s)
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         return STARTS_OF_A_POWER
 
 

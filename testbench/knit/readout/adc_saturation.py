@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.effect import Effect, FloatArray, Points, Signals, Stage, parameter
 
 WEAK_CLIPS = (0.97, 0.99)  # quantiles at which a read-out may clip so rarely that nothing piles up
 PILE = 0.04  # share of the samples that makes a pile
@@ -74,7 +74,7 @@ class AdcSaturation(SaturationLaw):
         top_S = 1 / self.floor_ohm if self.floor_ohm > 0 else np.inf
         return {"conductance_S": np.minimum(signals["conductance_S"], top_S)}
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         tops = _rails(_measured_ln(signals, residual), 1.0)
         return [{"floor_ohm": float(np.exp(-level))} for level in tops] or [self.nowhere()]
 
@@ -97,7 +97,7 @@ class AdcSaturationHigh(SaturationLaw):
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         return {"conductance_S": np.maximum(signals["conductance_S"], self.floor_S)}
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         bottoms = _rails(_measured_ln(signals, residual), -1.0)
         return [{"floor_S": float(np.exp(level))} for level in bottoms] or [self.nowhere()]
 
@@ -123,7 +123,7 @@ class AdcSaturationSoft(SaturationLaw):
         load = np.log(np.maximum(conductance * self.floor_ohm, 1e-12))
         return {"conductance_S": conductance * np.exp(-np.logaddexp(0.0, self.hardness * load) / self.hardness)}
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         tops_S = np.exp(_levels(_measured_ln(signals, residual), 1.0))
         return [{"floor_ohm": float(1 / top_S), "hardness": h} for top_S in tops_S for h in (20.0, 60.0)]
 
@@ -149,6 +149,6 @@ class AdcSaturationForce(SaturationLaw):
         top_N = 1 / self.inverse_range_per_N if self.inverse_range_per_N > 0 else np.inf
         return {"force_N": np.minimum(signals["force_N"], top_N)}
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         tops_N = _rails(signals["force_N"] + residual.get("force", 0.0), 1.0)
         return [{"inverse_range_per_N": 1 / top_N} for top_N in tops_N if top_N > 0] or [self.nowhere()]

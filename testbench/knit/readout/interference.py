@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter, step_s
+from testbench.knit.effect import Effect, FloatArray, Points, Signals, Stage, parameter, step_s
 from testbench.knit.filters import shifted
 from testbench.knit.shapes.waves import harmonics_parameter, wave_of
 
@@ -31,7 +31,7 @@ class InterferenceLaw(Effect):
         """Of the first harmonic, shape (n,), in rad."""
         return 2 * np.pi * self.frequency_Hz * signals["time_s"] + self.phase_rad
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         """The sharpest lines of the residual, in and out of phase: together they reach any phase."""
         if self.channel not in residual:
             return []

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from testbench.knit.additive import ForceLaw
-from testbench.knit.effect import FloatArray, Signals, Stage, parameter
+from testbench.knit.effect import FloatArray, Points, Signals, Stage, parameter
 from testbench.knit.filters import lowpass, memory_of_decades, memory_of_two_times
 
 
@@ -61,7 +61,7 @@ class LoadCellCreepTwoTimes(LoadCellLaw):
     slow_s: float = parameter(400.0, unit="s", low=30, high=1e4, scale="log", doc="time of the slow step")
     share: float = parameter(0.5, unit="1", low=0, high=1, doc="share of the quick step")
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         return [{"fast_s": fast_s, "slow_s": slow_s} for fast_s in (10.0, 40.0) for slow_s in (200.0, 800.0)]
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
