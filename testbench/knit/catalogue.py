@@ -62,7 +62,6 @@ LAWS = {
         "contact_relaxation contact_relaxation_spectrum contact_relaxation_prony contact_relaxation_asymmetric "
         "contact_relaxation_spots contact_relaxation_activated electrical_overshoot_force contact_creep"
     ),
-    "conduction.ageing": "contact_ageing",
     "conduction.piezoresistance": (
         "piezoresistance yarn_elongation yarn_elongation_power piezoresistance_tunnelling piezoresistance_percolation"
     ),
@@ -74,7 +73,9 @@ LAWS = {
     "conduction.breaking": (
         "electrical_overshoot_magnitude electrical_overshoot_two_ways electrical_overshoot_two_ways_prony"
     ),
-    "conduction.turning": "electrical_overshoot_reversal electrical_overshoot_turn electrical_overshoot_anew",
+    "conduction.turning": (
+        "electrical_overshoot_reversal electrical_overshoot_turn electrical_overshoot_anew contact_ageing"
+    ),
     "conduction.heat": (
         "self_heating self_heating_two_masses self_heating_prony self_heating_current self_heating_divider "
         "temperature_drift temperature_drift_trend temperature_drift_wander thermal_softening "

@@ -184,14 +184,28 @@ class CoatingWearWeibull(WearLaw):
         return -self.loss * weibull(cycled_strain(signals), self.scale, self.shape)
 
 
-class CracksLaw(ConductanceLaw):
-    """Base of the laws of cracks: conductance lost for good at each new largest stretch."""
+class CoatingCracks(ConductanceLaw):
+    """Each new largest stretch cracks the coating further; the cracks stay.
 
-    mechanism = "coating_cracks"
+    ln G -= loss * (m - m(0)),   m = largest strain so far
+
+    Source: irreversible channel cracks of brittle films on stretched substrates (Leterrier, Prog. Mater. Sci. 48
+    (2003) 1); proportionality is the simplest law.
+    Valid: first stretches.
+    """
+
+    name = "coating_cracks"
     strength = "loss"
+    look = "conductance falls for good at each new largest stretch, force does not"
+
+    loss: float = parameter(0.5, unit="1", low=0, high=20, doc="fall of ln G per unit of largest strain")
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        top = np.maximum.accumulate(signals["strain"])
+        return -self.loss * (top - top[0])
 
 
-class CoatingCracksWeibull(CracksLaw):
+class CoatingCracksWeibull(CoatingCracks):
     """Patches of the coating crack at stretches of their own, once and for all.
 
     ln G -= loss * (c(m) - c(m(0))),   c(m) = 1 - exp(-(m / scale)^shape),   m = largest strain so far
@@ -215,26 +229,6 @@ class CoatingCracksWeibull(CracksLaw):
     def starts(self, signals: Signals, residual: Signals) -> Points:
         top = float(np.max(signals["strain"]))
         return [{"scale": share * top, "shape": shape} for share in (0.4, 0.7, 1.0, 2.0) for shape in (0.7, 2.0, 6.0)]
-
-
-class CoatingCracks(CracksLaw):
-    """Each new largest stretch cracks the coating further; the cracks stay.
-
-    ln G -= loss * (m - m(0)),   m = largest strain so far
-
-    Source: irreversible channel cracks of brittle films on stretched substrates (Leterrier, Prog. Mater. Sci. 48
-    (2003) 1); proportionality is the simplest law.
-    Valid: first stretches.
-    """
-
-    name = "coating_cracks"
-    look = "conductance falls for good at each new largest stretch, force does not"
-
-    loss: float = parameter(0.5, unit="1", low=0, high=20, doc="fall of ln G per unit of largest strain")
-
-    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        top = np.maximum.accumulate(signals["strain"])
-        return -self.loss * (top - top[0])
 
 
 class ElectricalHysteresis(ConductanceLaw):

@@ -20,7 +20,6 @@ def _bumps_at(x: float, spans: int) -> tuple[int, float, float, float, float]:
     return cell, s**3, 4 - 6 * t**2 + 3 * t**3, 4 - 6 * s**2 + 3 * s**3, t**3
 
 
-@njit("float64[:](float64[:], float64[:])", cache=True, nogil=True)
 def bspline(x: FloatArray, weights: FloatArray) -> FloatArray:
     """Uniform cubic B-spline over 0 <= x <= 1 with one weight a bump, held flat outside.
 
@@ -32,13 +31,7 @@ def bspline(x: FloatArray, weights: FloatArray) -> FloatArray:
 
     Source: de Boor, A Practical Guide to Splines (1978), uniform cubic case.
     """
-    spans = len(weights) - 3
-    out = np.empty_like(x)
-    for i in range(len(x)):
-        cell, first, second, third, last = _bumps_at(x[i], spans)
-        own = weights[cell] * first + weights[cell + 1] * second
-        out[i] = (own + weights[cell + 2] * third + weights[cell + 3] * last) / 6
-    return out
+    return bsplines_over(x, weights[:, None], np.ones((1, len(x))))
 
 
 @njit("float64[:](float64[:], float64[:, :], float64[:, :])", cache=True, nogil=True)

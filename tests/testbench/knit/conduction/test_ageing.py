@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.knit.conduction.ageing import ContactAgeing
-from testbench.knit.conduction.turning import ElectricalOvershootTurn, since_turn_s
+from testbench.knit.conduction.turning import ContactAgeing, ElectricalOvershootTurn, since_turn_s
 from testbench.knit.kernels import turns
 
 DT_S = 0.05
