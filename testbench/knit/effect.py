@@ -179,7 +179,8 @@ class Effect(BaseModel):
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
         super().__pydantic_init_subclass__(**kwargs)
-        cls.mechanism = cls.mechanism or cls.name
+        if cls.name and not cls.mechanism:  # a part of classes has neither, and says nothing of it
+            cls.mechanism = cls.name
         lists = ("reads", "writes", "optional_reads", "jumps", "pointwise", "per_recording", "also_from")
         kinds = {"stage": Stage, **dict.fromkeys(lists, tuple), **dict.fromkeys(("strength", "look"), str)}
         said = [name for name, kind in kinds.items() if not isinstance(getattr(cls, name, None), kind)]

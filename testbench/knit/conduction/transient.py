@@ -107,13 +107,7 @@ class ElectricalOvershootMotion(OvershootLaw):
         return [{"tau_s": tau_s, "rate0_per_s": r} for tau_s in (0.1, 1.0, 5.0) for r in (0.005, 0.02, 0.08)]
 
 
-class ShoulderLaw(ConductanceLaw):
-    """Base of the laws of a second peak of the resistance on the way back."""
-
-    mechanism = "shoulder_peak"
-
-
-class ShoulderPeak(ShoulderLaw):
+class ShoulderPeak(ConductanceLaw):
     """On release the conductance of carbon-filled composites dips (or peaks) a second time.
 
     ln G += gain * (y - e)+,   tau y' = e - y        (the matrix is still long when the filler is let go)
@@ -133,7 +127,7 @@ class ShoulderPeak(ShoulderLaw):
         return self.gain * np.maximum(-highpass(signals["strain"], self.tau_s, dt_s), 0.0)
 
 
-class ShoulderBumps(ShoulderLaw):
+class ShoulderBumps(ConductanceLaw):
     """Base of the laws of peaks of the resistance at some places of the way back, none on the way out.
 
     ln G += b(z) * sum_j w_j B_j(place),   dz/|de| = (sgn(de) - z) / (travel * span)
@@ -143,6 +137,7 @@ class ShoulderBumps(ShoulderLaw):
     89.
     """
 
+    mechanism = "shoulder_peak"
     strength = "weights"
 
     weights: tuple[float, ...] = parameter((0.0,) * 14, unit="1", low=-5, high=5, doc="height of each bump, by place")

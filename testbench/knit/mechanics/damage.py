@@ -162,15 +162,11 @@ def weibull_points(path: FloatArray) -> Points:
     return [{"scale": share * whole, "shape": shape} for share in (0.2, 1.0, 5.0) for shape in (0.4, 0.7, 1.5, 3.0)]
 
 
-class FatigueLaw(ForceFactor):
-    """Base of the laws of fatigue: force lost with the strain path."""
+class LevellingOff(ForceFactor):
+    """Base of the laws of a loss that ends: F *= 1 - loss * tired, with `tired` from 0 to 1."""
 
     mechanism = "cyclic_fatigue"
     strength = "loss"
-
-
-class LevellingOff(FatigueLaw):
-    """Base of the laws of a loss that ends: F *= 1 - loss * tired, with `tired` from 0 to 1."""
 
     loss: float = parameter(0.1, unit="1", low=0, high=0.9, doc="share of the force lost in the end")
 
@@ -200,7 +196,7 @@ class CyclicFatigue(LevellingOff):
         return -np.expm1(-cycled_strain(signals) / self.scale)
 
 
-class CyclicFatigueLog(FatigueLaw):
+class CyclicFatigueLog(ForceFactor):
     """The knit loses the same share of force in every tenfold number of cycles.
 
     F *= max(1 - per_decade * log10(1 + path / scale), 0),   path = integral of |de|, 0.004 less at each turn
@@ -210,6 +206,7 @@ class CyclicFatigueLog(FatigueLaw):
     """
 
     name = "cyclic_fatigue_log"
+    mechanism = "cyclic_fatigue"
     strength = "per_decade"
     look = "the peaks of the force sink with the logarithm of the cycle number"
 

@@ -22,12 +22,6 @@ def _powers_of_rate(*exponents: float) -> Points:
     return [{"exponent": exponent, "rate0_per_s": rate0} for exponent in exponents for rate0 in (1e-4, 4e-3)]
 
 
-class DashpotLaw(ForceLaw):
-    """Base of the laws of viscous stiffening by a force that is added, whatever the force of the knit."""
-
-    mechanism = "viscous_rate_stiffening"
-
-
 class RateFactor(ForceFactor):
     """Base of the laws of viscous stiffening in proportion to the force of the knit."""
 
@@ -35,7 +29,7 @@ class RateFactor(ForceFactor):
     strength = "gain"
 
 
-class ViscousRateStiffening(DashpotLaw):
+class ViscousRateStiffening(ForceLaw):
     """A dashpot beside the knit: force grows with the rate of strain, by a power of it.
 
     F += force * v (v^2 + v0^2)^((exponent - 1) / 2),   v = e' / 0.1 per s,   v0 = rate0 / 0.1 per s
@@ -64,7 +58,7 @@ class ViscousRateStiffening(DashpotLaw):
         return self.force_at_rate_N * _power_of_rate(signals["strain"], dt_s, self.exponent, self.rate0_per_s)
 
 
-class ViscousRateStiffeningMaxwell(DashpotLaw):
+class ViscousRateStiffeningMaxwell(ForceLaw):
     """A dashpot that hangs on a spring beside the knit: what a stretch adds is gone within a second.
 
     F += force * (D - y) / (tau * 0.1 per s),   tau y' = D - y,   D = span sgn(e) (|e| / span)^power
@@ -77,6 +71,7 @@ class ViscousRateStiffeningMaxwell(DashpotLaw):
     """
 
     name = "viscous_rate_stiffening_maxwell"
+    mechanism = "viscous_rate_stiffening"
     strength = "force_at_rate_N"
     look = "the faster the stretch the higher the force, which is gone within a second after the motion has stopped"
 
@@ -95,7 +90,7 @@ class ViscousRateStiffeningMaxwell(DashpotLaw):
         return self.force_at_rate_N * highpass(driving, self.tau_s, dt_s) / (self.tau_s * REFERENCE_RATE_PER_S)
 
 
-class ViscousRateStiffeningEyring(DashpotLaw):
+class ViscousRateStiffeningEyring(ForceLaw):
     """Thermally activated sliding of chains: force grows with the logarithm of the rate.
 
     F += force * asinh(e' / rate0)
@@ -105,6 +100,7 @@ class ViscousRateStiffeningEyring(DashpotLaw):
     """
 
     name = "viscous_rate_stiffening_eyring"
+    mechanism = "viscous_rate_stiffening"
     strength = "force_per_efold_N"
     look = "every tenfold speed adds the same force"
 

@@ -33,16 +33,7 @@ class ChannelLagLaw(Effect):
         return {signal: signals[signal] * (ohm / self.late(ohm, dt_s))}
 
 
-class OneFilter(ChannelLagLaw):
-    """Base of the laws of one filter."""
-
-    tau_s: float = parameter(0.2, unit="s", low=0, high=10, typical=0.1, doc="time constant of the filter")
-
-    def late(self, x: FloatArray, dt_s: float) -> FloatArray:
-        return lowpass(x, self.tau_s, dt_s)
-
-
-class ChannelLag(OneFilter):
+class ChannelLag(ChannelLagLaw):
     """The resistance channel is slower than the force channel: a filter in its way.
 
     tau y' = G - y,   the reading is y
@@ -54,8 +45,13 @@ class ChannelLag(OneFilter):
     name = "channel_lag"
     look = "conductance comes later than force, so their loop widens with speed"
 
+    tau_s: float = parameter(0.2, unit="s", low=0, high=10, typical=0.1, doc="time constant of the filter")
 
-class ChannelLagResistance(OneFilter):
+    def late(self, x: FloatArray, dt_s: float) -> FloatArray:
+        return lowpass(x, self.tau_s, dt_s)
+
+
+class ChannelLagResistance(ChannelLag):
     """The reading of the resistance, not of the conductance, is filtered: steps up and steps down differ.
 
     tau y' = R - y,   the reading is 1 / y
@@ -69,18 +65,7 @@ class ChannelLagResistance(OneFilter):
     look = "conductance comes later than force, and later when it rises than when it falls"
 
 
-class TwoFilters(ChannelLagLaw):
-    """Base of the laws of two filters, one after the other."""
-
-    tau_s: float = parameter(0.2, unit="s", low=0, high=10, typical=0.1, doc="sum of the two time constants")
-    second: float = parameter(0.5, unit="1", low=0.05, high=1, doc="second time constant over the first")
-
-    def late(self, x: FloatArray, dt_s: float) -> FloatArray:
-        first_s = self.tau_s / (1 + self.second)
-        return lowpass(lowpass(x, first_s, dt_s), self.second * first_s, dt_s)
-
-
-class ChannelLagTwoFilters(TwoFilters):
+class ChannelLagTwoFilters(ChannelLagLaw):
     """The resistance channel has two filters, one after the other: it starts to follow late, and then quickly.
 
     tau_1 y' = R - y,   tau_2 z' = y - z,   the reading is 1 / z,   tau_1 + tau_2 = tau,   tau_2 = second * tau_1
@@ -94,8 +79,15 @@ class ChannelLagTwoFilters(TwoFilters):
     of_resistance = True
     look = "conductance comes later than force, and its turns are rounder"
 
+    tau_s: float = parameter(0.2, unit="s", low=0, high=10, typical=0.1, doc="sum of the two time constants")
+    second: float = parameter(0.5, unit="1", low=0.05, high=1, doc="second time constant over the first")
 
-class ChannelLagForce(OneFilter):
+    def late(self, x: FloatArray, dt_s: float) -> FloatArray:
+        first_s = self.tau_s / (1 + self.second)
+        return lowpass(lowpass(x, first_s, dt_s), self.second * first_s, dt_s)
+
+
+class ChannelLagForce(ChannelLag):
     """The force channel is slower than the resistance channel.
 
     tau y' = F - y,   the reading is y
@@ -109,7 +101,7 @@ class ChannelLagForce(OneFilter):
     look = "force comes later than displacement and conductance"
 
 
-class ChannelLagForceTwoFilters(TwoFilters):
+class ChannelLagForceTwoFilters(ChannelLagTwoFilters):
     """The force channel has two filters, one after the other: it starts to follow late, and then quickly.
 
     tau_1 y' = F - y,   tau_2 z' = y - z,   the reading is z,   tau_1 + tau_2 = tau,   tau_2 = second * tau_1
@@ -119,24 +111,12 @@ class ChannelLagForceTwoFilters(TwoFilters):
     """
 
     name = "channel_lag_force_two_filters"
+    of_resistance = False
     reads, writes = ("force_N",), ("force_N",)
     look = "force comes later than displacement and conductance, and its turns are rounder"
 
 
-class DelayLaw(ChannelLagLaw):
-    """Base of the laws of a reading that is late by a fixed time."""
-
-    strength = "delay_s"
-
-    delay_s: float = parameter(0.2, unit="s", low=0, high=10, typical=0.1, doc="delay")
-
-    def late(self, x: FloatArray, dt_s: float) -> FloatArray:
-        from testbench.knit.memories import delayed
-
-        return delayed(x, self.delay_s, dt_s)
-
-
-class ChannelLagDelay(DelayLaw):
+class ChannelLagDelay(ChannelLagLaw):
     """The resistance channel is late by a fixed time.
 
     reading(t) = G(t - delay)
@@ -146,10 +126,18 @@ class ChannelLagDelay(DelayLaw):
     """
 
     name = "channel_lag_delay"
+    strength = "delay_s"
     look = "conductance is the same curve, later"
 
+    delay_s: float = parameter(0.2, unit="s", low=0, high=10, typical=0.1, doc="delay")
 
-class ChannelLagForceDelay(DelayLaw):
+    def late(self, x: FloatArray, dt_s: float) -> FloatArray:
+        from testbench.knit.memories import delayed
+
+        return delayed(x, self.delay_s, dt_s)
+
+
+class ChannelLagForceDelay(ChannelLagDelay):
     """The force channel is late by a fixed time.
 
     reading(t) = F(t - delay)

@@ -32,6 +32,11 @@ def test_two_masses_warm_each_in_its_own_time() -> None:
     np.testing.assert_allclose(change, expected, atol=1e-12)
 
 
+def test_laws_of_the_room_are_of_one_mechanism_whatever_part_they_share() -> None:
+    laws = (TemperatureDrift, TemperatureDriftWander, ThermalSoftening, ThermalSofteningWander)
+    assert {law.mechanism for law in laws} == {"temperature_drift"}
+
+
 def test_measured_temperature_is_used_where_there_is_one() -> None:
     effect = TemperatureDrift(coefficient_per_K=0.02, lag_s=0.1, period_s=400)
     signals = {"time_s": T, "conductance_S": ONE}

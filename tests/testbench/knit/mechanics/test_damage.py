@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from testbench.knit.additive import ForceFactor
 from testbench.knit.kernels import travelled
 from testbench.knit.mechanics.damage import (
     CyclicFatigue,
     CyclicFatigueSwings,
-    FatigueLaw,
-    MullinsLaw,
     MullinsSoftening,
     MullinsSofteningDamage,
     MullinsSofteningHealing,
@@ -20,7 +19,7 @@ from testbench.knit.mechanics.jamming import JammingStiffening
 from tests.testbench.knit.samples import UP, UP_DOWN_UP
 
 
-def factor(effect: MullinsLaw | FatigueLaw, strain: np.ndarray, dt_s: float = 0.05) -> np.ndarray:
+def factor(effect: ForceFactor, strain: np.ndarray, dt_s: float = 0.05) -> np.ndarray:
     return effect.apply({"strain": strain, "force_N": np.ones_like(strain)}, dt_s)["force_N"]
 
 
