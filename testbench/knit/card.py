@@ -36,21 +36,17 @@ def doc_sections(effect: type[Effect]) -> DocSections:
 
 def parameter_rows(effect: type[Effect]) -> list[dict[str, str]]:
     """One row a parameter: name, default, unit, bounds, meaning."""
-    rows = []
-    for key, field in effect.model_fields.items():
-        extra = bounds_of(field)
-        scale = ", log" if extra["scale"] == "log" else ""
-        absent = "; 0: no effect" if key == effect.strength else ""
-        rows.append(
-            {
-                "name": key,
-                "default": _shown(field.default),
-                "unit": "" if extra["unit"] == "1" else extra["unit"],
-                "bounds": f"{extra['low']:g} to {extra['high']:g}{scale}",
-                "meaning": (field.description or "") + absent,
-            }
-        )
-    return rows
+    return [
+        {
+            "name": key,
+            "default": _shown(field.default),
+            "unit": "" if extra["unit"] == "1" else extra["unit"],
+            "bounds": f"{extra['low']:g} to {extra['high']:g}{', log' if extra['scale'] == 'log' else ''}",
+            "meaning": (field.description or "") + ("; 0: no effect" if key == effect.strength else ""),
+        }
+        for key, field in effect.model_fields.items()
+        for extra in [bounds_of(field)]
+    ]
 
 
 def _shown(value: Any) -> str:

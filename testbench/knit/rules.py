@@ -8,11 +8,11 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Callable, Iterator
-from types import MappingProxyType
 
 import numpy as np
 
 from gcode.support.errors import UserError, first_problem
+from gcode.support.read_only import ReadOnly
 from testbench.knit.additive import AdditiveLaw
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of
@@ -38,7 +38,7 @@ CHECKED_S = 60.0
 Rule = Callable[[Effect], str]
 
 
-class OnlyDeclared(dict[str, FloatArray]):
+class OnlyDeclared(ReadOnly[str, FloatArray]):
     """Signals of which only the declared ones can be read."""
 
     def __missing__(self, key: str) -> FloatArray:
@@ -64,7 +64,7 @@ def example_signals(dt_s: float) -> dict[str, FloatArray]:
 def applied(effect: Effect, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
     """What the effect makes of the signals, given only those that it declares; `UserError` where it is others."""
     declared = {key: value for key, value in signals.items() if key in effect.reads + effect.optional_reads}
-    out = effect.apply(MappingProxyType(OnlyDeclared(declared)), dt_s)
+    out = effect.apply(OnlyDeclared(declared), dt_s)
     if came := strangely_written(effect, out):
         raise UserError(f"returns {came}, but declares {', '.join(effect.writes)}")
     return out

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -127,18 +127,8 @@ class ModelFile(Unchanging):
 
     def save(self, path: str | Path) -> None:
         """Write atomically."""
-        write_json(
-            path,
-            self.model.to_dict()
-            | {
-                "gauge_length_mm": self.gauge_length_mm,
-                "fitted_on": self.fitted_on,
-                "held_out": self.held_out,
-                "fit": dict(self.fit),
-                "history": [dict(step) for step in self.history],
-                "knitbench": knitbench_version(),
-            },
-        )
+        beside = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "model"}
+        write_json(path, self.model.to_dict() | beside | {"knitbench": knitbench_version()})
 
 
 def load_model_file(path: str | Path, catalogue: Catalogue | None = None) -> ModelFile:

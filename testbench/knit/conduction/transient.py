@@ -6,7 +6,7 @@ import numpy as np
 
 from testbench.knit.additive import ConductanceLaw
 from testbench.knit.effect import FloatArray, Points, Signals, parameter
-from testbench.knit.filters import highpass, log_conductance, lowpass, moving, rate
+from testbench.knit.filters import highpass, log_conductance, lowpass, memory, moving, rate
 
 SETTLING_S = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
 SMALLEST_TURN = 0.02  # of the span; wobbles below are no turns
@@ -79,8 +79,8 @@ class ElectricalOvershootProny(OvershootLaw):
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         strain = signals["strain"] / self.span
-        sudden = (w * highpass(strain, tau_s, dt_s) for w, tau_s in zip(self.weights, SETTLING_S, strict=True) if w)
-        return sum(sudden, np.zeros_like(strain))
+        lagging = memory(strain, np.array(SETTLING_S), np.array(self.weights), dt_s)
+        return sum(self.weights) * (strain - strain[0]) - lagging
 
 
 class ElectricalOvershootMotion(OvershootLaw):

@@ -29,7 +29,6 @@ class Lengthening(Effect):
     pretension: float = parameter(
         0.0, unit="1", low=0, high=TAUT, doc="strain it was mounted with: so far below the start it still pulls"
     )
-
     renewed: float = parameter(0.0, unit="1", low=0, high=1, doc="share of the added length that stretches along")
 
     def added(self, signals: Signals, dt_s: float) -> FloatArray:

@@ -213,15 +213,7 @@ class StressRelaxationProny(StressRelaxationLaw):
 
 
 class RelaxingArm(ForceLaw):
-    """Base of the laws of an arm beside the knit whose force decays, while that of the knit and its friction stay.
-
-    F = F_e - arm_force * integral of phi(t - s) dD(s),   D = sgn(e) (|e| / span)^power
-
-    F_e is what the knit answers with at once, the arm's part in it.
-
-    Source: Ferry, Viscoelastic Properties of Polymers (1980), ch. 1 (generalised Maxwell model); arms with a curve
-    of their own: Huber & Tsakmakis, Mech. Mater. 32 (2000) 1.
-    """
+    """Base of the laws of an arm beside the knit whose force decays, while that of the knit and its friction stay."""
 
     mechanism = "stress_relaxation"
     strength = "arm_force_N"
@@ -244,6 +236,8 @@ class StressRelaxationArm(RelaxingArm):
     """A spring and a dashpot in series beside the knit: their force decays, that of its friction does not.
 
     F = F_e - arm_force * integral of (1 - exp(-(t - s) / tau)) dD(s),   D = sgn(e) (|e| / span)^power
+
+    F_e is what the knit answers with at once, the arm's part in it.
 
     Source: Ferry, Viscoelastic Properties of Polymers (1980), ch. 1 (standard linear solid); arms with a curve of
     their own: Huber & Tsakmakis, Mech. Mater. 32 (2000) 1.
