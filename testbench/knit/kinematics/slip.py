@@ -185,11 +185,7 @@ class ClampSlipEvents(ClampSlipLaw):
     )
 
     def slipped(self, signals: Signals, dt_s: float) -> FloatArray:
-        slipped = np.zeros(len(signals["time_s"]))
-        for amount, when_s in zip(self.amounts, self.slip_times_s, strict=True):
-            if amount:
-                slipped += amount * (signals["time_s"] >= when_s)
-        return slipped
+        return np.array(self.amounts) @ (signals["time_s"] >= np.array(self.slip_times_s)[:, None])
 
     def starts(self, signals: Signals, residual: Signals) -> Points:
         from testbench.knit.kinematics.jumps import slips

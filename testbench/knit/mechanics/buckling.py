@@ -40,7 +40,7 @@ class Buckling(Effect):
         """Where the force stays at its lowest over a part of the travel; no point where it does not."""
         strain, force = signals["strain"], signals["force_N"]
         level, span = float(np.min(force)), float(np.ptp(force))
-        low = force < level + AT_REST * span
+        low = force <= level + AT_REST * span
         if np.ptp(strain[low]) < PLATEAU * np.ptp(strain):
             return []
         return [{"pretension_N": float(force[0]) - level, "rounding_N": AT_REST * span}]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from testbench.knit.additive import ForceFactor, ForceLaw
-from testbench.knit.effect import FloatArray, Points, Signals, parameter
+from testbench.knit.effect import FloatArray, Points, Signals, parameter, step_s
 from testbench.knit.filters import highpass, rate
 from testbench.knit.shapes.curves import LAW_TERMS, curve
 
@@ -213,8 +213,7 @@ class ViscousRateStiffeningCurve(RateFactor):
     reach_per_s: float = parameter(0.1, unit="1/s", low=1e-6, high=10, scale="log", doc="largest rate")
 
     def starts(self, signals: Signals, residual: Signals) -> Points:
-        strain, time_s = signals["strain"], signals["time_s"]
-        return [{"reach_per_s": float(np.max(np.abs(rate(strain, float(time_s[1] - time_s[0])))))}]
+        return [{"reach_per_s": float(np.max(np.abs(rate(signals["strain"], step_s(signals)))))}]
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
         v = np.arcsinh(30 * rate(signals["strain"], dt_s) / self.reach_per_s) / (2 * np.arcsinh(30)) + 0.5

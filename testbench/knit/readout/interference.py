@@ -115,14 +115,12 @@ def sharpest_lines_Hz(x: FloatArray, dt_s: float, most: int) -> list[float]:
     frequency = np.fft.rfftfreq(len(x), dt_s)
     contrast = power / np.maximum(median_filter(power, size=51), 1e-300)
     contrast[(frequency <= 0.02) | (frequency >= 20)] = 0.0
-    if not contrast.any():
-        return [1.0]
     found: list[float] = []
     while len(found) < most and contrast.any():
         at = int(np.argmax(contrast))
         found.append(_refined(x - x.mean(), dt_s, float(frequency[at])))
         contrast[max(at - LINE_BINS, 0) : at + LINE_BINS + 1] = 0.0
-    return found
+    return found or [1.0]
 
 
 def _refined(x: FloatArray, dt_s: float, near_Hz: float) -> float:

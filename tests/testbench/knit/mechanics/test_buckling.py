@@ -40,3 +40,4 @@ def test_it_starts_where_the_force_stays_at_its_lowest_and_nowhere_else():
     (start,) = Buckling().starts({"strain": OUT_AND_BACK, "force_N": flat}, {})
     assert start["pretension_N"] == pytest.approx(0.0)
     assert not Buckling().starts({"strain": OUT_AND_BACK, "force_N": OUT_AND_BACK}, {})
+    assert Buckling().starts({"strain": OUT_AND_BACK, "force_N": np.zeros_like(flat)}, {})
