@@ -41,6 +41,7 @@ from gcode.support.kinds import is_number, only_by_name
 
 Signals = Mapping[str, FloatArray]
 Points = list[dict[str, Any]]  # of parameters, where a fit may start
+Vector = tuple[float, ...]  # of numbers that share unit and bounds
 OURS = "testbench.knit."  # effects from elsewhere are watched, for their mistakes would look like findings
 
 
@@ -109,6 +110,11 @@ def parameter(
     if isinstance(default, tuple):
         return Field(default=default, description=doc, json_schema_extra=extra)  # type: ignore[arg-type]
     return Field(default=default, ge=low, le=high, description=doc, json_schema_extra=extra)  # type: ignore[arg-type]
+
+
+def zeros(count: int, *, unit: str, most: float, doc: str, typical: float | None = None) -> Any:
+    """Declare a vector of `count` numbers from -`most` to `most` that are 0 when nothing is said; see `parameter`."""
+    return parameter((0.0,) * count, unit=unit, low=-most, high=most, doc=doc, typical=typical)
 
 
 class Effect(BaseModel):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from testbench.knit.conduction.transient import OvershootLaw
-from testbench.knit.effect import FloatArray, Signals, parameter, step_s
+from testbench.knit.effect import FloatArray, Signals, Vector, parameter, step_s, zeros
 from testbench.knit.filters import lagging_rate, lowpass
 
 HEALING_S = (0.3, 1.0, 3.0, 10.0, 30.0, 100.0)
@@ -76,9 +76,7 @@ class ElectricalOvershootTwoWaysProny(OvershootLaw):
     strength = "weights"
     look = "conductance shifts while it moves, by more in one direction, and comes back over whatever times"
 
-    weights: tuple[float, ...] = parameter(
-        (0.0,) * (2 * len(HEALING_S)), unit="1", low=-5, high=5, doc="change of ln G by a sudden strain of `span`"
-    )
+    weights: Vector = zeros(2 * len(HEALING_S), unit="1", most=5, doc="change of ln G by a sudden strain of `span`")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain by which it is counted")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from testbench.knit.additive import ConductanceLaw
-from testbench.knit.effect import Effect, FloatArray, Points, Signals, Stage, parameter
+from testbench.knit.effect import Effect, FloatArray, Points, Signals, Stage, Vector, parameter
 from testbench.knit.filters import highpass, log_conductance, lowpass, memory, memory_of_box, memory_of_decades
 
 SPOTS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)  # quicker is an overshoot
@@ -89,7 +89,7 @@ class ContactRelaxationProny(ContactRelaxationLaw):
     strength = "fractions"
     look = "in a hold the conductance changes over whatever times while the force does not"
 
-    fractions: tuple[float, ...] = parameter(
+    fractions: Vector = parameter(
         (0.0,) * len(SPOTS_S), unit="1", low=-3, high=1, doc="share of the contact force that is lost at each time"
     )
 

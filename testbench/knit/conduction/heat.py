@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from testbench.knit.additive import ConductanceLaw, ForceFactor
-from testbench.knit.effect import Effect, FloatArray, Points, Signals, parameter
+from testbench.knit.effect import Effect, FloatArray, Points, Signals, Vector, parameter, zeros
 from testbench.knit.filters import lowpass
 
 WANDER_STEPS = 21
@@ -98,9 +98,7 @@ class SelfHeatingProny(SelfHeatingLaw):
     strength = "weights"
     look = "conductance drifts after switching on and after each change of the mean stretch, over whatever times"
 
-    weights: tuple[float, ...] = parameter(
-        (0.0,) * len(HEATING_S), unit="1", low=-2, high=2, doc="change of ln G in the end by each, at starting power"
-    )
+    weights: Vector = zeros(len(HEATING_S), unit="1", most=2, doc="change of ln G in the end, at starting power")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         power = signals["conductance_S"] / signals["conductance_S"][0]
@@ -246,9 +244,7 @@ class TemperatureDriftWander(RoomLaw):
     per_recording = ("weights",)
     look = "conductance wanders slowly, differently in every recording, whatever the motion"
 
-    weights: tuple[float, ...] = parameter(
-        (0.0,) * WANDER_STEPS, unit="1", low=-5, high=5, typical=0.01, doc="change of ln G in each step of time"
-    )
+    weights: Vector = zeros(WANDER_STEPS, unit="1", most=5, typical=0.01, doc="change of ln G in each step of time")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         return _wander(signals["time_s"], self.weights, dt_s)
@@ -295,9 +291,7 @@ class ThermalSofteningWander(SofteningLaw):
     per_recording = ("weights",)
     look = "the knit is now softer, now stiffer, differently in every recording, whatever the motion"
 
-    weights: tuple[float, ...] = parameter(
-        (0.0,) * WANDER_STEPS, unit="1", low=-2, high=2, typical=0.0025, doc="change of ln F in each step of time"
-    )
+    weights: Vector = zeros(WANDER_STEPS, unit="1", most=2, typical=0.0025, doc="change of ln F in each step of time")
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
         return np.exp(_wander(signals["time_s"], self.weights, dt_s))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from testbench.knit.additive import ConductanceLaw
-from testbench.knit.effect import FloatArray, Points, Signals, parameter
+from testbench.knit.effect import FloatArray, Points, Signals, Vector, parameter, zeros
 from testbench.knit.filters import highpass, log_conductance, lowpass, memory, moving, rate
 
 SETTLING_S = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
@@ -72,9 +72,7 @@ class ElectricalOvershootProny(OvershootLaw):
     strength = "weights"
     look = "conductance shoots beyond its final value after every move and settles over whatever times"
 
-    weights: tuple[float, ...] = parameter(
-        (0.0,) * len(SETTLING_S), unit="1", low=-5, high=5, doc="change of ln G by a sudden strain of `span`"
-    )
+    weights: Vector = zeros(len(SETTLING_S), unit="1", most=5, doc="change of ln G by a sudden strain of `span`")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain by which it is counted")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
@@ -140,7 +138,7 @@ class ShoulderBumps(ConductanceLaw):
     mechanism = "shoulder_peak"
     strength = "weights"
 
-    weights: tuple[float, ...] = parameter((0.0,) * 14, unit="1", low=-5, high=5, doc="height of each bump, by place")
+    weights: Vector = zeros(14, unit="1", most=5, doc="height of each bump, by place")
     travel: float = parameter(0.06, unit="1", low=1e-3, high=1, scale="log", doc="spans until a turn is forgotten")
     late: float = parameter(0.0, unit="1", low=0, high=0.9, doc="share of a turn after which a way back begins")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="largest strain")

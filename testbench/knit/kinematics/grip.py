@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Points, Signals, Stage, bounds_of, parameter
+from testbench.knit.effect import Effect, FloatArray, Points, Signals, Stage, Vector, bounds_of, parameter
 from testbench.knit.kinematics.jumps import SIGNAL, steepness
 from testbench.knit.shapes.waves import harmonics_parameter, wave_of
 
@@ -171,7 +171,7 @@ class LeadscrewRippleWave(LeadscrewRipple):
     name = "leadscrew_ripple_wave"
     look = "a ripple of fixed form in force and conductance, with a fixed period in displacement, at any speed"
 
-    harmonics: tuple[float, ...] = harmonics_parameter()
+    harmonics: Vector = harmonics_parameter()
 
     def wave(self, angle: FloatArray) -> FloatArray:
         return wave_of(angle, self.harmonics)

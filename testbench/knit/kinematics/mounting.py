@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from testbench.knit.additive import AdditiveLaw
-from testbench.knit.effect import FloatArray, Signals, Stage, parameter
+from testbench.knit.effect import FloatArray, Signals, Stage, Vector, parameter, zeros
 
 MOST_TIME_S = 1e9
 
@@ -18,7 +18,7 @@ class Zeros(AdditiveLaw):
 
     in_base = True
 
-    begins_s: tuple[float, ...] = parameter(
+    begins_s: Vector = parameter(
         (MOST_TIME_S,), unit="s", low=0, high=MOST_TIME_S, doc="times at which recordings begin, but the first"
     )
 
@@ -46,9 +46,7 @@ class DisplacementZeros(Zeros):
     reads, writes = ("time_s", "strain"), ("strain",)
     look = "each recording is shifted along the strain against the others"
 
-    strain: tuple[float, ...] = parameter(
-        (0.0,), unit="1", low=-0.1, high=0.1, typical=0.01, doc="shift of each recording but the first"
-    )
+    strain: Vector = zeros(1, unit="1", most=0.1, typical=0.01, doc="shift of each recording but the first")
 
 
 class ForceZeros(Zeros):
@@ -65,6 +63,6 @@ class ForceZeros(Zeros):
     reads, writes = ("time_s", "force_N"), ("force_N",)
     look = "each recording is shifted along the force against the others"
 
-    force_N: tuple[float, ...] = parameter(
+    force_N: Vector = parameter(
         (0.0,), unit="N", low=-1e3, high=1e3, typical=0.02, doc="shift of each recording but the first"
     )

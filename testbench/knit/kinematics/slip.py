@@ -9,7 +9,7 @@ import itertools
 
 import numpy as np
 
-from testbench.knit.effect import FloatArray, Points, Signals, parameter, step_s
+from testbench.knit.effect import FloatArray, Points, Signals, Vector, parameter, step_s
 from testbench.knit.kinematics.length import Lengthening, overload_s
 
 MOST_SLIPS = 12
@@ -179,8 +179,8 @@ class ClampSlipEvents(ClampSlipLaw):
     per_recording = ("amounts", "slip_times_s")
     look = "the misfit jumps within a fraction of a second, several times, and stays"
 
-    amounts: tuple[float, ...] = parameter((0.0,) * MOST_SLIPS, unit="1", low=0, high=0.5, doc="slips, as strain")
-    slip_times_s: tuple[float, ...] = parameter(
+    amounts: Vector = parameter((0.0,) * MOST_SLIPS, unit="1", low=0, high=0.5, doc="slips, as strain")
+    slip_times_s: Vector = parameter(
         tuple(3.0 * (k + 1) for k in range(MOST_SLIPS)), unit="s", low=0, high=NEVER_S, doc="their moments"
     )
 

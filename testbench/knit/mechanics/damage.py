@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from testbench.knit.additive import ForceFactor
-from testbench.knit.effect import FloatArray, Points, Signals, parameter
+from testbench.knit.effect import FloatArray, Points, Signals, Vector, parameter, zeros
 from testbench.knit.filters import DEAD_BAND_STRAIN, factor_of
 from testbench.knit.shapes.curves import LAW_TERMS, curve
 
@@ -107,7 +107,7 @@ class MullinsSofteningCurve(MullinsLaw):
     strength = "weights"
     look = "after a stretch, shorter ones need less force, however much at each length"
 
-    weights: tuple[float, ...] = parameter((0.0,) * LAW_TERMS, unit="1", low=-3, high=3, doc="weights of the curve")
+    weights: Vector = zeros(LAW_TERMS, unit="1", most=3, doc="weights of the curve")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain at which the loss is counted")
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:

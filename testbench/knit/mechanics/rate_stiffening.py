@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from testbench.knit.additive import ForceFactor, ForceLaw
-from testbench.knit.effect import FloatArray, Points, Signals, parameter, step_s
+from testbench.knit.effect import FloatArray, Points, Signals, Vector, parameter, step_s, zeros
 from testbench.knit.filters import highpass, rate
 from testbench.knit.shapes.curves import LAW_TERMS, curve
 
@@ -209,7 +209,7 @@ class ViscousRateStiffeningCurve(RateFactor):
     strength = "weights"
     look = "the force depends on how fast the knit moves, in each direction in its own way"
 
-    weights: tuple[float, ...] = parameter((0.0,) * LAW_TERMS, unit="1", low=-3, high=3, doc="weights of the curve")
+    weights: Vector = zeros(LAW_TERMS, unit="1", most=3, doc="weights of the curve")
     reach_per_s: float = parameter(0.1, unit="1/s", low=1e-6, high=10, scale="log", doc="largest rate")
 
     def starts(self, signals: Signals, residual: Signals) -> Points:

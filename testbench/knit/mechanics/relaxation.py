@@ -6,7 +6,7 @@ import numpy as np
 
 from testbench.knit import spectra
 from testbench.knit.additive import ForceLaw
-from testbench.knit.effect import Effect, FloatArray, Points, Signals, Stage, parameter
+from testbench.knit.effect import Effect, FloatArray, Points, Signals, Stage, Vector, parameter, zeros
 from testbench.knit.filters import lowpass, memory, memory_of_box, memory_of_decades, memory_of_two_times
 
 PRONY_S = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
@@ -204,9 +204,7 @@ class StressRelaxationProny(StressRelaxationLaw):
     strength = "fractions"
     look = "in a hold the force sinks, over whatever times"
 
-    fractions: tuple[float, ...] = parameter(
-        (0.0,) * len(PRONY_S), unit="1", low=-1, high=1, doc="share of the force that is lost at each time"
-    )
+    fractions: Vector = zeros(len(PRONY_S), unit="1", most=1, doc="share of the force that is lost at each time")
 
     def lost_N(self, force_N: FloatArray, dt_s: float) -> FloatArray:
         return memory(force_N, np.array(PRONY_S), np.array(self.fractions), dt_s)

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Points, Signals, Stage, parameter, step_s
+from testbench.knit.effect import Effect, FloatArray, Points, Signals, Stage, Vector, parameter, step_s
 from testbench.knit.filters import shifted
 from testbench.knit.shapes.waves import harmonics_parameter, wave_of
 
@@ -78,7 +78,7 @@ class PeriodicInterferenceWave(PeriodicInterference):
     look = "a wave of fixed form rides on the conductance, in holds too; lines at multiples of one frequency"
 
     amplitude: float = parameter(0.01, unit="1", low=0, high=0.5, doc="amplitude of the first harmonic in ln G")
-    harmonics: tuple[float, ...] = harmonics_parameter()
+    harmonics: Vector = harmonics_parameter()
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         wave = wave_of(self.angle(signals), self.harmonics)

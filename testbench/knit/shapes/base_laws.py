@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from testbench.knit.additive import ConductanceLaw, ForceLaw
-from testbench.knit.effect import FloatArray, Signals, Stage, parameter
+from testbench.knit.effect import FloatArray, Signals, Stage, Vector, parameter, zeros
 from testbench.knit.shapes.curves import CURVE_TERMS, LAW_TERMS, curve, curve_terms, kept_curve
 from testbench.knit.shapes.loops import LOOPS, STOPS, WAYS, loops, loops_by_weight, two_ways
 
@@ -51,9 +51,7 @@ class ElasticityShape(ForceLaw):
     strength = "weights_N"
     look = "the misfit of force depends on strain alone"
 
-    weights_N: tuple[float, ...] = parameter(
-        (0.0,) * CURVE_TERMS, unit="N", low=-1e3, high=1e3, doc="weight of each term over strain"
-    )
+    weights_N: Vector = zeros(CURVE_TERMS, unit="N", most=1e3, doc="weight of each term over strain")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the curve")
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
@@ -82,13 +80,9 @@ class HysteresisShape(ForceLaw):
     strength = "weights_N"
     look = "the misfit of force depends on the direction of motion and on the last reversals, at any speed"
 
-    weights_N: tuple[float, ...] = parameter((0.0,) * LOOPS, unit="N", low=-1e3, high=1e3, doc="friction of each")
-    growth_N: tuple[float, ...] = parameter(
-        (0.0,) * (2 * LOOPS), unit="N", low=-1e3, high=1e3, doc="its growth over the strain span and its square"
-    )
-    positions_N: tuple[float, ...] = parameter(
-        (0.0,) * len(STOPS), unit="N", low=-1e3, high=1e3, doc="weight of the squared position of each play"
-    )
+    weights_N: Vector = zeros(LOOPS, unit="N", most=1e3, doc="friction of each")
+    growth_N: Vector = zeros(2 * LOOPS, unit="N", most=1e3, doc="its growth over the strain span and its square")
+    positions_N: Vector = zeros(len(STOPS), unit="N", most=1e3, doc="weight of the squared position of each play")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain over which growth is counted")
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
@@ -117,12 +111,8 @@ class ContactShape(ConductanceLaw):
     strength = "strain_weights"
     look = "the misfit of ln G depends on force and strain, at any speed and time"
 
-    force_weights: tuple[float, ...] = parameter(
-        (0.0,) * CURVE_TERMS, unit="1", low=-3, high=3, doc="weight of each term over contact force"
-    )
-    strain_weights: tuple[float, ...] = parameter(
-        (0.0,) * CURVE_TERMS, unit="1", low=-3, high=3, doc="weight of each term over strain"
-    )
+    force_weights: Vector = zeros(CURVE_TERMS, unit="1", most=3, doc="weight of each term over contact force")
+    strain_weights: Vector = zeros(CURVE_TERMS, unit="1", most=3, doc="weight of each term over strain")
     low_N: float = parameter(0.0, unit="N", low=-1e3, high=1e3, doc="contact force where the curve begins")
     span_N: float = parameter(3.0, unit="N", low=1e-3, high=1e4, doc="contact force covered by the curve")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the curve")
@@ -158,9 +148,7 @@ class DriftShape(ConductanceLaw):
     strength = "weights"
     look = "the misfit of ln G depends on elapsed time alone"
 
-    weights: tuple[float, ...] = parameter(
-        (0.0,) * len(DRIFT_TAUS_S), unit="1", low=-5, high=5, doc="drift that ends within each time scale"
-    )
+    weights: Vector = zeros(len(DRIFT_TAUS_S), unit="1", most=5, doc="drift that ends within each time scale")
     slope_per_ks: float = parameter(0.0, unit="1/ks", low=-5, high=5, doc="drift that does not end")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
@@ -191,9 +179,7 @@ class ContactDriftShape(ConductanceLaw):
     strength = "weights"
     look = "the conductance creeps, and how much depends on the load"
 
-    weights: tuple[float, ...] = parameter(
-        (0.0,) * (DRIFT_BUMPS * (len(DRIFT_TAUS_S) + 1)), unit="1", low=-5, high=5, doc="drift at each bump and time"
-    )
+    weights: Vector = zeros(DRIFT_BUMPS * (len(DRIFT_TAUS_S) + 1), unit="1", most=5, doc="drift by bump and time")
     low_N: float = parameter(0.0, unit="N", low=-1e3, high=1e3, doc="contact force where the bumps begin")
     span_N: float = parameter(3.0, unit="N", low=1e-3, high=1e4, doc="contact force covered by the bumps")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the bumps, without a force")
@@ -235,13 +221,9 @@ class ContactLoopsShape(ConductanceLaw):
     strength = "weights"
     look = "conductance over strain is a loop, at any speed"
 
-    weights: tuple[float, ...] = parameter((0.0,) * LOOPS, unit="1", low=-3, high=3, doc="width of each loop in ln G")
-    growth: tuple[float, ...] = parameter(
-        (0.0,) * (2 * LOOPS), unit="1", low=-3, high=3, doc="its growth over the strain span and its square"
-    )
-    ways: tuple[float, ...] = parameter(
-        (0.0,) * (len(WAYS) * LAW_TERMS), unit="1", low=-3, high=3, doc="curve by which the two ways differ"
-    )
+    weights: Vector = zeros(LOOPS, unit="1", most=3, doc="width of each loop in ln G")
+    growth: Vector = zeros(2 * LOOPS, unit="1", most=3, doc="its growth over the strain span and its square")
+    ways: Vector = zeros(len(WAYS) * LAW_TERMS, unit="1", most=3, doc="curve by which the two ways differ")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain over which growth is counted")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from testbench.knit.effect import FloatArray
+from testbench.knit.effect import FloatArray, Vector
 from testbench.knit.shapes.curves import LAW_TERMS, curve_terms, kept_curve
 from testbench.knit.shapes.recent import Recent
 
@@ -24,7 +24,7 @@ def loops(
     span: float,
     weights: tuple[float, ...],
     growth: tuple[float, ...],
-    positions: tuple[float, ...] = (),
+    positions: Vector = (),
 ) -> FloatArray:
     """Sum of the operators, each weighted by w_k + v_k u + v'_k u^2 with u = e / span, and of `positions_terms`.
 

@@ -6,21 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit.effect import FloatArray, parameter
+from testbench.knit.effect import FloatArray, zeros
 
 HARMONICS = 6
 
 
 def harmonics_parameter() -> Any:
     """Parameter of an effect: the weights of a wave's harmonics from the second on."""
-    return parameter(
-        (0.0,) * (2 * (HARMONICS - 1)),
-        unit="1",
-        low=-3,
-        high=3,
-        doc="sine, then cosine of the second harmonic over the first, and so on",
-        typical=0.3,
-    )
+    doc = "sine, then cosine of the second harmonic over the first, and so on"
+    return zeros(2 * (HARMONICS - 1), unit="1", most=3, typical=0.3, doc=doc)
 
 
 def wave_of(angle: FloatArray, harmonics: tuple[float, ...]) -> FloatArray:
