@@ -74,7 +74,7 @@ def compared(
     """Train one candidate by these engines, of which the last is the reference."""
     for name in ("fast", "exact"):  # compile, or load what was compiled
         ENGINES[name](np.ones((10, 2)), np.ones(10), (2,), 0, DEFAULT_L2)
-    blank = untrained([series["T"]], target, Options(alphas=candidate.bank.alphas))
+    blank = untrained([series["T"]], target, Options(alphas=candidate.alphas))
     features, truth = training_arrays(blank, [series["T"]])
     parts = [series[name] for name in "AB"]
     tests = [(blank.features(p.time_s, p.conductance_S), blank.scaling_out.apply(p.truth)) for p in parts]

@@ -77,18 +77,13 @@ def _backward(widths, flat, active, delta, gradient, count):
             gradient[end - n_out + j] = step[j, :count].sum()
         correlate(gradient, at, values, n_in, step, n_out, count)
         if layer > 0:
-            _pass_back(flat, at, values, step, delta[layer], n_in, n_out, count)
+            back = delta[layer]
+            back[:n_in, :count] = 0.0
+            add_products(flat, at, 1, n_out, step, n_out, back, n_in, count)
+            for i in range(n_in):
+                for k in range(count):
+                    back[i, k] = back[i, k] if values[i, k] > 0.0 else 0.0
         end = at
-
-
-@jit
-def _pass_back(flat, at, values, step, back, n_in, n_out, count):
-    for i in range(n_in):
-        back[i, :count] = 0.0
-    add_products(flat, at, 1, n_out, step, n_out, back, n_in, count)
-    for i in range(n_in):
-        for k in range(count):
-            back[i, k] = back[i, k] if values[i, k] > 0.0 else 0.0
 
 
 @jit

@@ -59,12 +59,14 @@ def train_adam(
     sizes: Sequence[int],
     seed: int,
     l2: float,
-    max_epochs: int,
+    max_epochs: int = MAX_EPOCHS,
     batch: int = BATCH,
     rate: float = LEARNING_RATE,
     averaging: float = 0.0,
 ) -> Fit:
-    """Train one network as `MLPRegressor(hidden_layer_sizes=sizes, alpha=l2, random_state=seed)` does.
+    """Train one network as `MLPRegressor(hidden_layer_sizes=sizes, alpha=l2, random_state=seed)` does, compiled.
+
+    As it comes, the same seed gives scikit-learn's loss curve to rounding.
 
     Parameters
     ----------
@@ -109,11 +111,6 @@ def sklearn_engine(features: FloatArray, target: FloatArray, sizes: Sequence[int
     return Fit(network, np.asarray(regressor.loss_curve_))
 
 
-def exact_engine(features: FloatArray, target: FloatArray, sizes: Sequence[int], seed: int, l2: float) -> Fit:
-    """The same training, compiled: the same seed gives scikit-learn's loss curve to rounding."""
-    return train_adam(features, target, sizes, seed, l2, MAX_EPOCHS)
-
-
 def fast_engine(features: FloatArray, target: FloatArray, sizes: Sequence[int], seed: int, l2: float) -> Fit:
     """Every k-th row only, k <= 7, in smaller batches with a larger step, and the mean of the last epochs' weights.
 
@@ -124,10 +121,8 @@ def fast_engine(features: FloatArray, target: FloatArray, sizes: Sequence[int], 
     rows, truth = features[::stride], target[::stride]
     # MLPRegressor divides L2 by the batch size: as much of it here as in batches of its own size.
     l2 = l2 * FAST_BATCH / BATCH
-    return train_adam(
-        rows, truth, sizes, seed, l2, MAX_EPOCHS, batch=FAST_BATCH, rate=FAST_RATE, averaging=FAST_AVERAGING
-    )
+    return train_adam(rows, truth, sizes, seed, l2, batch=FAST_BATCH, rate=FAST_RATE, averaging=FAST_AVERAGING)
 
 
 Engine = Callable[[FloatArray, FloatArray, Sequence[int], int, float], Fit]
-ENGINES: dict[str, Engine] = {"exact": exact_engine, "fast": fast_engine, "sklearn": sklearn_engine}
+ENGINES: dict[str, Engine] = {"exact": train_adam, "fast": fast_engine, "sklearn": sklearn_engine}

@@ -20,7 +20,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 from compensation.memories.ema import PAPER_COUNT, PAPER_RATE_HZ, smooth, smoothing_factors
 from compensation.model.compensator import TrainedCompensator
 from compensation.model.files import save
-from compensation.model.runtime import LARGEST_RATE_HZ, SMALLEST_RATE_HZ, check_streams
+from compensation.model.runtime import LARGEST_RATE_HZ, SMALLEST_RATE_HZ, streamable
 from compensation.model.streaming import CompensatorStream
 from compensation.series.preprocessing import TARGETS, Series, stands_still
 from compensation.training.options import HIGHEST_SEED, Options
@@ -174,8 +174,7 @@ class Compensator(RegressorMixin, BaseEstimator):
                 f"fitted by ridge ({self._why_ridge}): it has no stream, no file and no export; fit one column of "
                 f"{FEWEST_S:g} s or more with method auto, paper or tuned"
             )
-        check_streams(self.compensator_)
-        return self.compensator_
+        return streamable(self.compensator_)
 
     def _check_parameters(self) -> None:
         if self.method not in EVERY_METHOD or self.target not in tuple(TARGETS):

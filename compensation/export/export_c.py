@@ -14,8 +14,8 @@ import numpy as np
 from compensation.engines.network import Network
 from compensation.export.c_template import HEADER
 from compensation.memories.ema import log_retention, start_steps
-from compensation.model.compensator import Fitted, TrainedCompensator, trained
-from compensation.model.runtime import MEANING, READINGS_S, STEPS_S, beginning_of, check_streams, limits_of, ranges_of
+from compensation.model.compensator import Fitted, TrainedCompensator
+from compensation.model.runtime import MEANING, READINGS_S, STEPS_S, beginning_of, limits_of, ranges_of, streamable
 from gcode.support.arrays import FloatArray
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
@@ -71,8 +71,7 @@ def c_header(compensator: TrainedCompensator | Fitted, name: str = "knitbench") 
     """
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", str(name)):
         raise UserError(f"`name` must be a C identifier, got {name!r}")
-    compensator = trained(compensator)
-    check_streams(compensator)
+    compensator = streamable(compensator)
     # The last layers take over the output's scale and the share in the mean.
     share = compensator.scaling_out.scale / len(compensator.networks)
     networks = [network.times(share) for network in compensator.networks]

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from compensation.memories.ema import log_retention, start_steps
-from compensation.model.compensator import Fitted, TrainedCompensator, trained
-from compensation.model.runtime import READINGS_S, STEPS_S, Status, beginning_of, check_streams, limits_of, ranges_of
+from compensation.model.compensator import Fitted, TrainedCompensator
+from compensation.model.runtime import READINGS_S, STEPS_S, Status, beginning_of, limits_of, ranges_of, streamable
 from gcode.support.errors import UserError
 from gcode.support.files import atomic_path
 
@@ -62,8 +62,7 @@ def write_onnx(compensator: TrainedCompensator | Fitted, path: str | Path) -> No
         import onnx
     except ImportError:
         raise UserError("ONNX export needs the onnx package: pip install 'knitbench[onnx]'") from None
-    compensator = trained(compensator)
-    check_streams(compensator)
+    compensator = streamable(compensator)
     model = _model(compensator)
     onnx.checker.check_model(model)
     with atomic_path(path) as temporary:
@@ -173,8 +172,7 @@ def _status(
     begun = graph("ReduceMax", starting, axes=[0])
     flags = ((strange, Status.UNSEEN_READING), (unknown, Status.UNSEEN_HISTORY), (begun, Status.STARTING))
     terms = [graph("Mul", name, [float(flag)]) for name, flag in flags]
-    total = graph("Add", graph("Add", terms[0], terms[1]), terms[2])
-    graph("Where", graph("Equal", fault, ZERO), total, fault, out="status")
+    graph("Where", graph("Equal", fault, ZERO), graph("Sum", *terms), fault, out="status")
 
 
 def _features(graph: _Graph, compensator: TrainedCompensator) -> tuple[str, str, str]:
@@ -240,8 +238,7 @@ def _networks(graph: _Graph, compensator: TrainedCompensator, features: str) -> 
             if layer < len(network.weights) - 1:
                 value = graph("Relu", value)
         outputs.append(value)
-    total = outputs[0]
-    for output in outputs[1:]:
-        total = graph("Add", total, output)
     share = compensator.scaling_out.scale / len(outputs)
-    graph("Add", graph("Mul", total, [share]), [compensator.scaling_out.mean], out="fresh_prediction")
+    graph(
+        "Add", graph("Mul", graph("Sum", *outputs), [share]), [compensator.scaling_out.mean], out="fresh_prediction"
+    )

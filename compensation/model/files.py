@@ -32,6 +32,7 @@ _Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 _Positive = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
 # Within six orders of magnitude of a second.
 _Time = Annotated[float, Field(ge=1e-6, le=1e6)]
+_Numbers = Annotated[list[_Number], AfterValidator(np.asarray)]
 
 
 class _Strict(BaseModel):
@@ -63,8 +64,8 @@ def _ordered(ends: Sequence[float]) -> Sequence[float]:
 class _Seen(_Strict):
     low: _Number
     high: _Number
-    inputs_low: list[_Number]
-    inputs_high: list[_Number]
+    inputs_low: _Numbers
+    inputs_high: _Numbers
 
     @model_validator(mode="after")
     def _not_upside_down(self) -> Self:
@@ -74,8 +75,8 @@ class _Seen(_Strict):
 
 
 class _Beginning(_Strict):
-    gain: list[_Number]
-    offset: list[_Number]
+    gain: _Numbers
+    offset: _Numbers
 
 
 class _Promise(BaseModel):
@@ -232,10 +233,6 @@ def _plain(part: Any) -> Any:
     return part.tolist() if isinstance(part, np.ndarray) else vars(part)
 
 
-def _arrays(part: BaseModel) -> dict[str, Any]:
-    return {name: np.asarray(value) if isinstance(value, list) else value for name, value in vars(part).items()}
-
-
 def _build(checked: _File, networks: tuple[Network, ...]) -> TrainedCompensator:
     as_they_are = ("target", "rate_hz", "start", "irregular", "per_recording", "sign")
     remembered = checked.history
@@ -247,8 +244,8 @@ def _build(checked: _File, networks: tuple[Network, ...]) -> TrainedCompensator:
         networks=networks,
         history=History(tuple(remembered.motion_taus_s), tuple(remembered.play_radii), remembered.settle_s),
         recipe=checked.recipe.model_dump(exclude_unset=True),
-        seen=Seen(**_arrays(checked.seen)) if checked.seen else None,
-        beginning=Beginning(**_arrays(checked.beginning)) if checked.beginning else None,
+        seen=Seen(**vars(checked.seen)) if checked.seen else None,
+        beginning=Beginning(**vars(checked.beginning)) if checked.beginning else None,
         margins=(checked.margins[0], checked.margins[1]) if checked.margins else None,
     )
 

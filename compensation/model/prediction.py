@@ -4,23 +4,20 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from compensation.engines.network import mean_output
 from compensation.memories.ema import start_steps
 from compensation.model.compensator import Fitted, TrainedCompensator, trained
-from compensation.model.runtime import READINGS_S, STEPS_S, Status, ranges_of
+from compensation.model.runtime import READINGS_S, STEPS_S, Status, ranges_of, unseen
 from compensation.series.preprocessing import TARGETS
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from gcode.support.read_only import Unchanging
 from testbench.recordings.columns import numbers
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -54,8 +51,6 @@ class Prediction(Unchanging):
 
     def to_frame(self) -> pd.DataFrame:
         """As a table, with the columns of ``compensation predict``: ``time_s, force_N, low_N, high_N, status``."""
-        import pandas as pd
-
         name, unit = TARGETS[self.target]
         columns = {"time_s": self.time_s, name: self.value, f"low_{unit}": self.low, f"high_{unit}": self.high}
         return pd.DataFrame({**columns, "status": self.status})
@@ -116,13 +111,14 @@ def predicted(compensator: TrainedCompensator | Fitted, time_s: FloatArray, resi
     with np.errstate(divide="ignore", invalid="ignore"):
         conductance_S = 1.0 / resistance_ohm
     status = _faults(time_s, conductance_S)
-    value = np.full(len(status), compensator.scaling_out.mean)
+    value = np.full(len(status), np.nan)
     good = np.flatnonzero(status == 0)
     breaks = np.flatnonzero(np.diff(time_s[good]) > STEPS_S[1]) + 1
     for rows in np.split(good, breaks):
         if len(rows):
             value[rows], status[rows] = _run(compensator, time_s[rows], conductance_S[rows])
-    value = _held(value, good)
+    # Faulty rows repeat the last good one; before the first, the mean of the training stands.
+    value = pd.Series(value).ffill().fillna(compensator.scaling_out.mean).to_numpy()
     low, high = compensator.margins or (np.nan, np.nan)
     return Prediction(compensator.target, time_s, value, value + low, value + high, status)
 
@@ -163,18 +159,7 @@ def _run(
 ) -> tuple[FloatArray, NDArray]:
     running = replace(compensator.in_use, irregular=True)
     features = running.features(time_s, conductance_S)
-    seen, reading = ranges_of(compensator), compensator.scaling_in.apply(conductance_S)
-    status = np.where((reading < seen.low) | (reading > seen.high), int(Status.UNSEEN_READING), 0)
-    outside = ((features < seen.inputs_low) | (features > seen.inputs_high)).any(axis=1)
-    status[outside] |= int(Status.UNSEEN_HISTORY)
+    status = unseen(ranges_of(compensator), compensator.scaling_in.apply(conductance_S), features)
     longest = start_steps(compensator.alphas, compensator.rate_hz).max()
     status[(time_s - time_s[0]) * compensator.rate_hz < longest] |= int(Status.STARTING)
     return compensator.scaling_out.invert(mean_output(compensator.networks, features)), status
-
-
-def _held(value: FloatArray, good: NDArray[np.intp]) -> FloatArray:
-    """Faulty rows repeat the last good one; before the first, the mean of the training stands."""
-    latest = np.full(len(value), -1)
-    latest[good] = good
-    latest = np.maximum.accumulate(latest)
-    return np.where(latest >= 0, value[np.maximum(latest, 0)], value)

@@ -19,9 +19,10 @@ from dataclasses import replace
 from enum import IntFlag
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compensation.memories.ema import start_steps
-from compensation.model.compensator import Beginning, Seen, TrainedCompensator
+from compensation.model.compensator import Beginning, Fitted, Seen, TrainedCompensator, trained
 from compensation.series.preprocessing import Series
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
@@ -57,14 +58,15 @@ MEANING = {
 }
 
 
-def check_streams(compensator: TrainedCompensator) -> None:
-    """Refuse a compensator that must know a whole recording before its first sample, or knows no conductance."""
+def streamable(compensator: TrainedCompensator | Fitted) -> TrainedCompensator:
+    """What was learned, unless it must know a whole recording before its first sample, or knows no conductance."""
+    compensator = trained(compensator)
     if compensator.per_recording:
         raise UserError("a compensator trained with --per-recording needs the whole recording; train without it")
     seen = compensator.seen
     # Recalibration moves what was seen to where another sensor may never be.
     if seen is None or "recalibrated" in compensator.recipe:
-        return
+        return compensator
     low, high = (compensator.scaling_in.invert(np.array(end)) for end in (seen.low, seen.high))
     if not (low >= READINGS_S[0] and high <= READINGS_S[1]):
         raise UserError(
@@ -72,21 +74,20 @@ def check_streams(compensator: TrainedCompensator) -> None:
             f"conductances in S, from {READINGS_S[0]:.2g} to {READINGS_S[1]:.2g}: train on these, "
             "without a logarithm or a scaler before it"
         )
+    return compensator
 
 
 def limits_of(compensator: TrainedCompensator) -> tuple[float, float]:
     """Low and high limit to which the standardised conductance is clipped."""
-    if compensator.seen is None:
-        return -UNKNOWN_LIMIT, UNKNOWN_LIMIT
-    low, high = compensator.seen.held(np.array([-np.inf, np.inf]))
-    return float(low), float(high)
+    low, high = ranges_of(compensator).held(np.array([-np.inf, np.inf])).tolist()
+    return low, high
 
 
 def ranges_of(compensator: TrainedCompensator) -> Seen:
     """The ranges seen, or ranges that nothing leaves."""
     if compensator.seen is not None:
         return compensator.seen
-    wide = np.full(compensator.input_count, 2 * UNKNOWN_LIMIT)
+    wide = np.full(compensator.input_count, 4 * UNKNOWN_LIMIT)
     return Seen(-UNKNOWN_LIMIT, UNKNOWN_LIMIT, -wide, wide)
 
 
@@ -108,6 +109,13 @@ def fault_of(conductance_S: float, step_s: float) -> Status:
     if not STEPS_S[0] <= step_s <= STEPS_S[1]:
         fault |= Status.BAD_STEP
     return fault
+
+
+def unseen(seen: Seen, reading: FloatArray, features: FloatArray) -> NDArray[np.int64]:
+    """Flags of what the training did not have, of standardised readings (n,) and the networks' inputs (n, k)."""
+    strange = (reading < seen.low) | (reading > seen.high)
+    unknown = ((features < seen.inputs_low) | (features > seen.inputs_high)).any(axis=1)
+    return strange * int(Status.UNSEEN_READING) + unknown * int(Status.UNSEEN_HISTORY)
 
 
 def ready_for_use(compensator: TrainedCompensator, series: Sequence[Series]) -> TrainedCompensator:

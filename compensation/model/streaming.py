@@ -7,8 +7,8 @@ import numpy as np
 from compensation.engines.network import mean_output
 from compensation.memories.ema import log_retention, start_steps
 from compensation.memories.history import RunningHistory
-from compensation.model.compensator import Fitted, TrainedCompensator, trained
-from compensation.model.runtime import Status, beginning_of, check_streams, fault_of, limits_of, ranges_of
+from compensation.model.compensator import Fitted, TrainedCompensator
+from compensation.model.runtime import Status, beginning_of, fault_of, limits_of, ranges_of, streamable, unseen
 from gcode.support.kinds import number
 
 
@@ -51,8 +51,7 @@ class CompensatorStream:
     """
 
     def __init__(self, compensator: TrainedCompensator | Fitted) -> None:
-        compensator = trained(compensator)
-        check_streams(compensator)
+        compensator = streamable(compensator)
         self._compensator, self.margins = compensator, compensator.margins
         self._log_keep = log_retention(compensator.alphas)
         self._lengths = start_steps(compensator.alphas, compensator.rate_hz)
@@ -103,7 +102,8 @@ class CompensatorStream:
         features, starting = self._remember(float(np.clip(reading, *self._limits)), step_s)
         output = mean_output(compensator.networks, features[None, :])
         self.value = float(compensator.scaling_out.invert(output)[0])
-        self.status = self._status(reading, features, starting)
+        flags = unseen(self._seen_in_training, np.array([reading]), features[None, :])
+        self.status = Status(int(flags[0])) | (Status.STARTING if starting else Status.GOOD)
         return self.value
 
     def _remember(self, x: float, step_s: float) -> tuple[np.ndarray, bool]:
@@ -124,11 +124,3 @@ class CompensatorStream:
         held = begin.offset[count:] + begin.gain[count:] * x
         remembered = self._history.update(x, step_s, held)
         return np.concatenate([self._forced + self._fading * initial, remembered]), bool(starting.any())
-
-    def _status(self, reading: float, features: np.ndarray, starting: bool) -> Status:
-        seen, status = self._seen_in_training, Status.GOOD
-        if not seen.low <= reading <= seen.high:
-            status |= Status.UNSEEN_READING
-        if ((features < seen.inputs_low) | (features > seen.inputs_high)).any():
-            status |= Status.UNSEEN_HISTORY
-        return status | Status.STARTING if starting else status

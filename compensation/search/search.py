@@ -41,13 +41,13 @@ class Task:
 
 def evaluate(task: Task, candidate: Candidate, seed: int) -> dict[str, Any]:
     """Train one candidate from one seed on the first recording, score it on the other two."""
-    (features, truth), *tests = _arrays(task, candidate.bank.alphas)
+    (features, truth), *tests = _arrays(task, candidate.alphas)
     network = ENGINES[task.engine](features, truth, candidate.sizes, seed, DEFAULT_L2).network
     scores = [r2(target, network(inputs)) for inputs, target in tests]
     return {
         "key": candidate.key,
         "seed": seed,
-        "alphas": list(candidate.bank.alphas),
+        "alphas": list(candidate.alphas),
         "sizes": list(candidate.sizes),
         "parameters": network.parameter_count,
         "dead": network.is_dead(features),

@@ -40,27 +40,18 @@ TOPOLOGIES: tuple[tuple[float, ...], ...] = (
 )
 # Set by hand, before any were calculated.
 BASELINE = (0.5, 0.1, 0.025, 0.0025)
-PAPER_BANKS = ((2.5, 4), (2.5, 7), (2.5, 10), (5.0, 4), (5.0, 7), (10.0, 3), (10.0, 4))
-# Finer steps between the factors than the paper tried.
-FINE_BANKS = ((1.5, 7), (1.5, 14), (1.75, 7), (1.75, 10), (2.0, 7), (2.0, 9), (2.5, 5), (2.5, 7))
 
 
-@dataclass(frozen=True)
-class Bank:
-    """Named smoothing factors."""
-
-    name: str
-    alphas: tuple[float, ...]
-
-    @classmethod
-    def of(cls, factor: float, count: int) -> Bank:
-        """``alpha_i = factor^-i``, i = 1..count."""
-        return cls(f"{factor:g}^{count}", tuple(float(alpha) for alpha in smoothing_factors(factor, count)))
+def calculated(*banks: tuple[float, int]) -> dict[str, tuple[float, ...]]:
+    """Smoothing factors ``a^-i``, i = 1..N, of each a and N, by the name of the bank."""
+    return {f"{a:g}^{count}": tuple(smoothing_factors(a, count).tolist()) for a, count in banks}
 
 
 PRESETS = {
-    "paper": (Bank("baseline", BASELINE), *(Bank.of(*bank) for bank in PAPER_BANKS)),
-    "fine": tuple(Bank.of(*bank) for bank in FINE_BANKS),
+    "paper": {"baseline": BASELINE}
+    | calculated((2.5, 4), (2.5, 7), (2.5, 10), (5.0, 4), (5.0, 7), (10.0, 3), (10.0, 4)),
+    # Finer steps between the factors than the paper tried.
+    "fine": calculated((1.5, 7), (1.5, 14), (1.75, 7), (1.75, 10), (2.0, 7), (2.0, 9), (2.5, 5), (2.5, 7)),
 }
 
 
@@ -68,17 +59,18 @@ PRESETS = {
 class Candidate:
     """A network to try: one smoothing bank, and hidden layers behind it."""
 
-    bank: Bank
+    bank: str  # its name
+    alphas: tuple[float, ...]
     sizes: tuple[int, ...]
 
     @property
     def key(self) -> str:
         """Short name, unique among candidates."""
-        return f"{self.bank.name} {'-'.join(map(str, self.sizes))}"
+        return f"{self.bank} {'-'.join(map(str, self.sizes))}"
 
     def __str__(self) -> str:
         """Smoothing factors, then layers: ``0.1,0.01,0.001;4,2,2``."""
-        return ",".join(f"{alpha:.10g}" for alpha in self.bank.alphas) + ";" + ",".join(map(str, self.sizes))
+        return ",".join(f"{alpha:.10g}" for alpha in self.alphas) + ";" + ",".join(map(str, self.sizes))
 
 
 def hidden_layers(bases: Sequence[int] = BASES) -> list[tuple[int, ...]]:
@@ -89,7 +81,7 @@ def hidden_layers(bases: Sequence[int] = BASES) -> list[tuple[int, ...]]:
 
 def candidates(preset: str = "paper", bases: Sequence[int] = BASES) -> list[Candidate]:
     """Every network, of these base sizes, behind every bank of a preset: 912 with the paper's."""
-    return [Candidate(bank, sizes) for bank in PRESETS[preset] for sizes in hidden_layers(bases)]
+    return [Candidate(*bank, sizes) for bank in PRESETS[preset].items() for sizes in hidden_layers(bases)]
 
 
 def spread(everything: Sequence[Candidate], count: int) -> list[Candidate]:

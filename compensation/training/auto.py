@@ -27,7 +27,7 @@ from compensation.model.compensator import Scaling, TrainedCompensator
 from compensation.model.runtime import ready_for_use
 from compensation.series import score
 from compensation.series.preprocessing import Series, stands_still
-from compensation.training.folds import fold_count, folds_of, split, whole_recordings
+from compensation.training.folds import fold_count, folds_of, split
 from compensation.training.intervals import of_another, of_one_recording
 from compensation.training.learners import PACES, Learner, Line, Networks, Paper, Ridge
 from compensation.training.options import Options
@@ -62,7 +62,7 @@ def train_automatically(
         Its recipe says what was tried, what was taken and what cross-validation promises of it.
     """
     options.check_for_use("--method auto")
-    folds, whole = folds_of(series), whole_recordings(series)
+    folds, whole = folds_of(series)
     _check_moves(series, target, folds)
     truth = np.concatenate([part.truth for part in series])
     scaling = Scaling.of(truth)
@@ -79,7 +79,7 @@ def train_automatically(
     residual = (truth - predictions[chosen]) * scale
     changes = None if whole else one_sigma_changes(compensator, series)
     promise: dict[str, Any] = tried[chosen] | {
-        "r2_interval": _interval(truth, predictions[chosen], series),
+        "r2_interval": _interval(truth, predictions[chosen], series, whole),
         "raw_r2": _raw_r2(series, compensator.sign),
         "line_r2": tried[Line.name]["r2"],
         "folds": fold_count(folds),
@@ -106,7 +106,7 @@ def _check_moves(series: Sequence[Series], target: str, folds: NDArray[np.int64]
 
 def steps(series: Sequence[Series]) -> int:
     """How often `train_automatically` reports progress on these series."""
-    return fold_count(folds_of(series)) * len(LEARNERS) + 1
+    return fold_count(folds_of(series)[0]) * len(LEARNERS) + 1
 
 
 def margins_of(
@@ -239,9 +239,9 @@ def _raw_r2(series: Sequence[Series], sign: float) -> float:
     return float(np.mean([score.r2_before(part.truth, part.conductance_S, sign) for part in moving]))
 
 
-def _interval(truth: FloatArray, prediction: FloatArray, series: Sequence[Series]) -> list[float] | None:
+def _interval(truth: FloatArray, prediction: FloatArray, series: Sequence[Series], whole: bool) -> list[float] | None:
     """95 % of r2: `score.jackknife_interval` over whole recordings where they are held out, else over blocks."""
-    if not whole_recordings(series):
+    if not whole:
         step_s = sum(recorded_duration_s(part.time_s) for part in series) / len(truth)
         return score.block_interval(truth, prediction, np.arange(len(truth)) * step_s)
     owner = np.repeat(np.arange(len(series)), [len(part) for part in series])

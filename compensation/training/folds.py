@@ -14,19 +14,13 @@ FOLDS, GROUPS_FROM = 5, 3
 LARGEST_SHARE = 0.5
 
 
-def whole_recordings(series: Sequence[Series]) -> bool:
-    """Whether the folds are whole recordings: of three or more, none so long that its fold has over half of all."""
-    if len(series) < GROUPS_FROM:
-        return False
-    folds = _shared_out(series)
-    return bool(np.bincount(folds).max() <= LARGEST_SHARE * len(folds))
-
-
-def folds_of(series: Sequence[Series]) -> NDArray[np.int64]:
-    """Number of the fold of every row: recordings shared out, or contiguous parts of all rows."""
-    if whole_recordings(series):
-        return _shared_out(series)
-    return contiguous(sum(len(part) for part in series), FOLDS)
+def folds_of(series: Sequence[Series]) -> tuple[NDArray[np.int64], bool]:
+    """Number of the fold of every row, and whether they are whole recordings: of three or more, none huge."""
+    count = min(len(series), FOLDS)
+    whole = np.repeat(np.arange(len(series)) * count // len(series), [len(part) for part in series])
+    if len(series) >= GROUPS_FROM and np.bincount(whole).max() <= LARGEST_SHARE * len(whole):
+        return whole, True
+    return contiguous(len(whole), FOLDS), False
 
 
 def fold_count(folds: NDArray[np.int64]) -> int:
@@ -37,11 +31,6 @@ def fold_count(folds: NDArray[np.int64]) -> int:
 def contiguous(rows: int, count: int) -> NDArray[np.int64]:
     """Which of so many parts in a row each of so many rows is in."""
     return np.arange(rows) * count // rows
-
-
-def _shared_out(series: Sequence[Series]) -> NDArray[np.int64]:
-    count = min(len(series), FOLDS)
-    return np.repeat(np.arange(len(series)) * count // len(series), [len(part) for part in series])
 
 
 def split(series: Sequence[Series], held_out: NDArray[np.bool_]) -> tuple[list[Series], list[Series]]:

@@ -50,14 +50,6 @@ class Choice:
     r2: float
 
 
-@dataclass(frozen=True)
-class Decision:
-    """What the networks are to be: a choice for each kind of memory kept, the best first; and all that was tried."""
-
-    members: tuple[Choice, ...]
-    tried: tuple[Choice, ...]
-
-
 def tune(
     series: Sequence[Series], target: str, options: Options, progress: Callable[[str], None] = lambda note: None
 ) -> TrainedCompensator:
@@ -75,13 +67,17 @@ def tune(
         Told about each combination and each network: `steps` times.
     """
     options.check_for_use("--method tuned")
-    return ensemble(series, target, choose(series, target, options, progress), options.seed, progress)
+    members, tried = choose(series, target, options, progress)
+    return ensemble(series, target, members, tried, options.seed, progress)
 
 
 def choose(
     series: Sequence[Series], target: str, options: Options, progress: Callable[[str], None] = lambda note: None
-) -> Decision:
-    """Choose the bank, then histories and their penalties, then the size; seeds are fixed: the data decide."""
+) -> tuple[list[Choice], list[Choice]]:
+    """Choose the bank, then histories and their penalties, then the size; seeds are fixed: the data decide.
+
+    A choice for each kind of memory that is kept, the best first; and all that was tried.
+    """
     tried: list[Choice] = []
 
     def judged(candidates: Sequence[Options]) -> list[Choice]:
@@ -97,8 +93,7 @@ def choose(
     members = not_worse([_smallest(judged(candidates)) for candidates in penalised])
     others = judged([replace(members[0].options, sizes=size) for size in SIZES[1:]])
     sizes = first_unless_better([members[0], *others]).options.sizes
-    resized = tuple(replace(choice, options=replace(choice.options, sizes=sizes)) for choice in members)
-    return Decision(resized, tuple(tried))
+    return [replace(choice, options=replace(choice.options, sizes=sizes)) for choice in members], tried
 
 
 def banks(series: Sequence[Series], options: Options) -> list[Options]:
@@ -160,20 +155,21 @@ def _predicted(learned: Lessons, options: Options, folds: int, networks: int) ->
 def ensemble(
     series: Sequence[Series],
     target: str,
-    decision: Decision,
+    members: Sequence[Choice],
+    tried: Sequence[Choice],
     seed: int,
     progress: Callable[[str], None] = lambda note: None,
 ) -> TrainedCompensator:
-    """The mean of `ENSEMBLE` networks from `seed` on, shared out among the decision's members."""
-    best = decision.members[0]
-    whole = _union([choice.options.history for choice in decision.members])
-    lesson = [lessons(series, target, choice.options) for choice in decision.members]
+    """The mean of `ENSEMBLE` networks from `seed` on, shared out among the choices kept."""
+    best = members[0]
+    whole = _union([choice.options.history for choice in members])
+    lesson = [lessons(series, target, choice.options) for choice in members]
     blank = untrained(series, target, replace(best.options, history=whole))
     features, truth = training_arrays(blank, series)
     networks = []
     for number in range(ENSEMBLE):
         learned = lesson[number % len(lesson)]
-        options = decision.members[number % len(lesson)].options
+        options = members[number % len(lesson)].options
         own = options.history
         known = [True, bool(own.motion_taus_s), bool(own.play_radii)]
         counts = [len(blank.alphas), len(whole.motion_taus_s), len(whole.play_radii)]
@@ -187,8 +183,8 @@ def ensemble(
         "seed": seed,
         "training_r2": r2(truth, mean_output(live, features)),
         "cross_validated_r2": best.r2,
-        "members": [_summary(choice) for choice in decision.members],
-        "cross_validation": [_summary(choice) for choice in decision.tried],
+        "members": [_summary(choice) for choice in members],
+        "cross_validation": [_summary(choice) for choice in tried],
     }
     return ready_for_use(replace(blank, networks=live, recipe=recipe), series)
 

@@ -27,15 +27,10 @@ def test_exact_engine_reproduces_the_loss_curve(sizes, seed, l2):
     np.testing.assert_allclose(ours.network(features), reference.network(features), atol=1e-8)
 
 
-def test_a_batch_that_does_not_divide_the_rows():
-    features, target = problem(rows=333)
+@pytest.mark.parametrize("rows", [333, 50])
+def test_a_batch_that_does_not_divide_the_rows_or_is_more_than_all(rows):
+    features, target = problem(rows)
     reference, ours = (ENGINES[name](features, target, (4, 2), 3, 1e-4) for name in ("sklearn", "exact"))
-    np.testing.assert_allclose(ours.loss_curve, reference.loss_curve, rtol=0, atol=1e-10)
-
-
-def test_fewer_rows_than_a_batch():
-    features, target = problem(rows=50)
-    reference, ours = (ENGINES[name](features, target, (4,), 3, 1e-4) for name in ("sklearn", "exact"))
     np.testing.assert_allclose(ours.loss_curve, reference.loss_curve, rtol=0, atol=1e-10)
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
-import subprocess
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,19 +22,7 @@ from compensation.training.options import Options
 from compensation.training.training import train_on_series
 from gcode.support.errors import UserError
 from tests.compensation.conftest import train
-
-PROGRAM = """
-#include <stdio.h>
-#include "pes.h"
-int main(void) {
-    pes_state s;
-    double g, dt;
-    pes_reset(&s);
-    while (scanf("%lf %lf", &g, &dt) == 2) printf("%.9g\\n", pes_update(&s, (float)g, (float)dt));
-    return 0;
-}
-"""
-
+from tests.compensation.model.test_runtime import compiled, fed, needs_gcc
 
 HISTORIES = [History(), History((0.1, 8.0), (0.2, 0.5, 1.0), settle_s=0.05), History((2.0,)), History((), (0.4,))]
 
@@ -49,20 +35,14 @@ def compensator(recordings, request):
     return replace(trained[0], networks=trained[0].networks + trained[1].networks)
 
 
-def streamed(compensator, recording) -> np.ndarray:
-    stream = CompensatorStream(compensator)
+def samples_of(recording) -> list[tuple[float, float]]:
+    """Conductance and step of every sample."""
     steps = np.diff(recording.time_s, prepend=recording.time_s[0])
-    return np.array([stream.update(*sample) for sample in zip(recording.conductance_S, steps, strict=True)])
+    return list(zip(recording.conductance_S.tolist(), steps.tolist(), strict=True))
 
 
-def from_c(compensator, lines: str, folder: Path) -> np.ndarray:
-    """What the compiled header makes of lines of conductance and step."""
-    (folder / "pes.h").write_text(c_header(compensator, "pes"))
-    (folder / "main.c").write_text(PROGRAM)
-    flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2"]
-    subprocess.run(["gcc", *flags, "main.c", "-o", "main"], cwd=folder, check=True)
-    printed = subprocess.run([folder / "main"], input=lines, capture_output=True, text=True, check=True).stdout
-    return np.array([float(line) for line in printed.split()])
+def streamed(compensator, recording) -> np.ndarray:
+    return fed(CompensatorStream(compensator), samples_of(recording))[0]
 
 
 def test_stream_is_the_causal_batch(compensator, recordings):
@@ -95,21 +75,21 @@ def test_irregular_and_resampled_agree(compensator, recordings):
     assert np.sqrt(np.mean(difference**2)) < 0.05 * compensator.scaling_out.scale
 
 
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc on this machine")
+@needs_gcc
 @pytest.mark.parametrize("irregular", [False, True])
 def test_c_header_compiled_equals_python(compensator, recordings, tmp_path, irregular):
     recording = recordings[2] if irregular else recordings[2].resampled(20.0)
     assert_c_equals_python(compensator, recording, tmp_path)
 
 
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc on this machine")
+@needs_gcc
 @pytest.mark.parametrize("rate_hz", [40.0, 200.0])
 def test_c_header_equals_python_where_a_sample_falls_between_two_steps(compensator, recordings, tmp_path, rate_hz):
     """A filter's start ended just there, so that rounding decided which samples it was the mean of."""
     assert_c_equals_python(compensator, recordings[2].between(0, 40).resampled(rate_hz), tmp_path)
 
 
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc on this machine")
+@needs_gcc
 @pytest.mark.parametrize("slower", ["every step", "the second sample"])
 def test_c_header_equals_python_where_only_the_first_sample_starts_filters(compensator, recordings, tmp_path, slower):
     """A slow meter, or a loose contact after the first sample, passes every filter's start in one step."""
@@ -120,12 +100,9 @@ def test_c_header_equals_python_where_only_the_first_sample_starts_filters(compe
 
 
 def assert_c_equals_python(compensator, recording, folder: Path) -> None:
-    steps = np.diff(recording.time_s, prepend=recording.time_s[0])
-    lines = "\n".join(f"{g!r} {dt!r}" for g, dt in zip(recording.conductance_S.tolist(), steps.tolist(), strict=True))
+    values, _ = compiled(compensator, folder, "-O2")(samples_of(recording))
     np.testing.assert_allclose(
-        from_c(compensator, lines, folder),
-        streamed(compensator, recording),
-        atol=PROMISED * compensator.scaling_out.scale,
+        values, streamed(compensator, recording), atol=PROMISED * compensator.scaling_out.scale
     )
 
 
@@ -152,9 +129,8 @@ def test_onnx_step_equals_python(compensator, recordings, tmp_path):
     pytest.importorskip("onnxruntime")
     write_onnx(compensator, tmp_path / "c.onnx")
     recording = recordings[1].between(0.0, 60.0)
-    steps = np.diff(recording.time_s, prepend=recording.time_s[0])
     stream = OnnxStream(tmp_path / "c.onnx")
-    got = [stream.update(*sample) for sample in zip(recording.conductance_S, steps, strict=True)]
+    got, _ = fed(stream, samples_of(recording))
     np.testing.assert_allclose(got, streamed(compensator, recording), atol=1e-9)
     for wrong, words in ((("x",), "conductance_S must be a number, got 'x'"), ((1e-6, "x"), "dt_s must be a number")):
         with pytest.raises(UserError, match=words):
@@ -189,7 +165,7 @@ def test_command_writes_the_file(compensator, tmp_path, capsys, format_):
         assert "C identifier" in capsys.readouterr().err
 
 
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc on this machine")
+@needs_gcc
 def test_single_precision_errs_as_far_as_it_says(recordings, tmp_path):
     """The same knit with so little gain that its mean is 350 standard deviations: the reading itself is the error."""
     parts = [series_of(recording, "force", 20.0) for recording in recordings[:2]]
@@ -197,10 +173,9 @@ def test_single_precision_errs_as_far_as_it_says(recordings, tmp_path):
     insensitive = [replace(part, conductance_S=1e-8 * (350 + (part.conductance_S - mean) / scale)) for part in parts]
     trained = train_on_series(insensitive[:1], "force", Options(sizes=(6, 3), restarts=1, engine="fast"))
     assert rounding(trained) == pytest.approx(350 * 2**-24)
-    stream = CompensatorStream(trained)
-    expected = np.array([stream.update(conductance) for conductance in insensitive[1].conductance_S])
-    lines = "\n".join(f"{conductance!r} 0.05" for conductance in insensitive[1].conductance_S.tolist())
-    apart = np.abs(from_c(trained, lines, tmp_path) - expected).max() / trained.scaling_out.scale
+    samples = [(conductance, 0.05) for conductance in insensitive[1].conductance_S.tolist()]
+    (expected, _), (got, _) = fed(CompensatorStream(trained), samples), compiled(trained, tmp_path, "-O2")(samples)
+    apart = np.abs(got - expected).max() / trained.scaling_out.scale
     assert PROMISED < apart < 2 * rounding(trained)
 
 

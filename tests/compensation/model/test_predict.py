@@ -136,8 +136,6 @@ def test_command_writes_what_it_says(compensator, recordings, tmp_path, capsys):
 
 
 def test_what_cannot_be_predicted_is_said(compensator, tmp_path, capsys):
-    from dataclasses import replace
-
     with pytest.raises(UserError, match="mean and spread of the target"):
         predicted(replace(compensator, per_recording=True), np.arange(5.0), np.ones(5))
     compensator_files.save(tmp_path / "c.json", compensator)

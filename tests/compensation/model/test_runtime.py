@@ -82,13 +82,13 @@ def on_chip(compensator, tmp_path_factory):
     return compiled(compensator, tmp_path_factory.mktemp("chip"))
 
 
-def compiled(compensator, folder):
-    """The C header under the sanitisers: feed it samples, get values and flags."""
+def compiled(compensator, folder, *how: str):
+    """The C header, under the sanitisers unless told how to compile it: feed it samples, get values and flags."""
     (folder / "k.h").write_text(c_header(compensator, "k"))
     (folder / "main.c").write_text(PROGRAM)
-    flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-Wconversion", "-O1"]
-    sanitisers = ["-fsanitize=undefined,address,float-divide-by-zero", "-fno-sanitize-recover=all"]
-    subprocess.run(["gcc", *flags, *sanitisers, "main.c", "-o", "main"], cwd=folder, check=True)
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-Wconversion"]
+    sanitised = ("-O1", "-fsanitize=undefined,address,float-divide-by-zero", "-fno-sanitize-recover=all")
+    subprocess.run(["gcc", *flags, *(how or sanitised), "main.c", "-o", "main"], cwd=folder, check=True)
 
     def run(samples):
         lines = "\n".join(f"{g!r} {dt!r}" for g, dt in samples)
@@ -279,12 +279,9 @@ def test_a_hundred_million_samples_lose_nothing(compensator, tmp_path):
     assert float(printed) < 1e-5 * compensator.scaling_out.scale
 
 
-def test_what_a_file_holds(compensator, tmp_path):
+def test_a_beginning_of_another_number_of_memories_is_refused(compensator, tmp_path):
     path = tmp_path / "c.json"
     compensator_files.save(path, compensator)
-    again = compensator_files.load(path)
-    samples = [(compensator.scaling_in.mean * factor, 0.05) for factor in (1.0, 1.1, 5.0)]
-    assert fed(CompensatorStream(again), samples)[1] == fed(CompensatorStream(compensator), samples)[1]
     data = read_json(path, "compensator")
     data["beginning"]["gain"].append(1.0)
     write_json(path, data)

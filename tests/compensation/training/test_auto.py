@@ -26,7 +26,7 @@ from compensation.training.auto import (
     train_automatically,
     weights_of,
 )
-from compensation.training.folds import folds_of, whole_recordings
+from compensation.training.folds import folds_of
 from compensation.training.learners import Ridge, Sums, linear
 from compensation.training.lessons import features_at_pace
 from compensation.training.options import Options
@@ -69,7 +69,7 @@ def test_the_interval_of_a_training_with_a_gap_is_that_of_what_was_recorded(reco
     def interval(recording):
         part = series_of(recording, "force", 20.0)
         error = np.sin(np.arange(len(part)) / 100)
-        return auto._interval(part.truth, part.truth + 0.1 * part.truth.std() * error, [part])
+        return auto._interval(part.truth, part.truth + 0.1 * part.truth.std() * error, [part], whole=False)
 
     assert interval(paused(recordings[0].between(0.0, 80.0), 40.0, 600.0)) is None
     assert interval(paused(recordings[0], 120.0, 600.0)) == pytest.approx(interval(recordings[0]), abs=1e-3)
@@ -200,11 +200,13 @@ def test_versions_of_another_pace_are_those_of_a_slower_recording(series):
 
 
 def test_folds_are_recordings_where_there_are_enough(series):
-    assert whole_recordings(series)
-    folds = folds_of(series)
+    folds, whole = folds_of(series)
+    assert whole
     assert [len(np.unique(part)) for part in np.split(folds, np.cumsum([len(p) for p in series])[:-1])] == [1, 1, 1]
-    assert folds_of(series[:1]).max() == 4
-    assert (np.diff(folds_of(series[:1])) >= 0).all()
+    parts, whole = folds_of(series[:1])
+    assert not whole
+    assert parts.max() == 4
+    assert (np.diff(parts) >= 0).all()
 
 
 @pytest.mark.parametrize(
@@ -215,8 +217,9 @@ def test_no_fold_is_most_of_all_rows(lengths, whole):
     """A fold that holds most of all is predicted from next to nothing: then folds are parts, as of one recording."""
     time_s = np.arange(2000) / 20
     series = [Series(*np.tile(time_s[:length], (3, 1)), "") for length in lengths]
-    assert whole_recordings(series) is whole
-    assert np.bincount(folds_of(series)).max() <= sum(lengths) / 2
+    folds, told = folds_of(series)
+    assert told is whole
+    assert np.bincount(folds).max() <= sum(lengths) / 2
 
 
 def test_one_recording_beside_two_scraps_is_predicted_from_its_own_parts(series):
@@ -245,7 +248,7 @@ def test_no_learner_looks_at_what_is_held_out(series, recordings_of):
     The recordings are altered as they are given: not even a scaler or a range may know of it.
     """
     given = [part.rows(np.arange(600)) for part in series[:recordings_of]]
-    folds = folds_of(given)
+    folds, _ = folds_of(given)
     held_out, number = folds == 1, 1 if recordings_of == 3 else 0
     own = held_out[len(given[0]) * number :][: len(given[number])]
     late = own & (np.cumsum(own) > own.sum() / 2)

@@ -46,7 +46,7 @@ def test_five_starts_are_never_all_dead(series):
 @pytest.mark.slow
 def test_the_tuned_compensator(series):
     training, *tests = series
-    choice = choose([training], "force", ours.PUBLISHED)
-    apart = (ensemble([training], "force", choice, 100 * number) for number in range(SEEDS))  # no network is shared
+    choices = choose([training], "force", ours.PUBLISHED)
+    apart = (ensemble([training], "force", *choices, 100 * number) for number in range(SEEDS))  # no network is shared
     means = np.array([np.mean([r2(part.truth, one.predict_series(part)) for part in tests]) for one in apart])
     assert near_the_median(means), np.sort(means).round(3)

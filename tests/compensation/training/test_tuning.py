@@ -11,7 +11,6 @@ from compensation.series.preprocessing import series_of
 from compensation.training import tuning
 from compensation.training.lessons import HISTORY_SPREAD, STATE_SHIFT, Lessons, lessons
 from compensation.training.options import Options
-from gcode.support.errors import UserError
 from tests.compensation.conftest import paused, train
 
 QUICK = Options(engine="fast")
@@ -30,11 +29,6 @@ def test_it_beats_the_mean_of_the_papers_network(tuned, recordings):
     ]
     mean = np.mean([scores["summary"]["r2_after"] for scores in paper])
     assert score_recordings(tuned, recordings[1:])["summary"]["r2_after"] > mean
-
-
-def test_it_does_not_learn_from_each_recordings_own_mean(recordings):
-    with pytest.raises(UserError, match="--method tuned learns for use"):
-        train(recordings[:1], "force", Options(per_recording=True), method="tuned")
 
 
 def test_the_recipe_tells_every_choice(tuned, recordings):
@@ -108,8 +102,8 @@ def test_the_first_is_taken_unless_another_is_clearly_better():
 def test_averaged_networks_of_different_memories_take_the_same_inputs(recordings):
     series = [series_of(recordings[0].between(0, 60), "force", 20.0)]
     members = [tuning.Choice(Options(sizes=(4,), history=history), np.ones(5), 0.0) for history in tuning.HISTORIES]
-    whole = tuning.ensemble(series, "force", tuning.Decision(tuple(members), ()), 3)
-    parts = [tuning.ensemble(series, "force", tuning.Decision((member,), ()), 3) for member in members]
+    whole = tuning.ensemble(series, "force", members, (), 3)
+    parts = [tuning.ensemble(series, "force", [member], (), 3) for member in members]
     for index, network in enumerate(whole.networks):
         part = parts[index % 4]
         alone = part.networks[index](part.features(series[0].time_s, series[0].conductance_S))
