@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from compensation.paper.paper_campaigns import TAB, campaigns
-from compensation.series.preprocessing import Series, series_of
+from compensation.series.preprocessing import TARGETS, Series, series_of
 from testbench.recordings.csv_columns import read_columns
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
@@ -142,7 +142,7 @@ def others() -> Iterator[Case]:
     for folder, first, second, columns in OTHERS:
         yield _pair("others", folder, first, second, columns)
         yield _pair("others", folder, second, first, columns)
-    yield Case("others", "cb sine, first 60 % -> rest", lambda: _parts(_named(REAL / "cb7.5_s2_sine.csv", STRIP)))
+    yield Case("others", "cb sine, first 60 % -> rest", lambda: _parts(read_named(REAL / "cb7.5_s2_sine.csv", STRIP)))
     yield from _sleeve("others", "first 60 % of one person -> rest", (0.0, FIRST_PART * ONE_PERSON, ONE_PERSON))
 
 
@@ -171,10 +171,10 @@ def _pairs(kind: str, pairs: Sequence[tuple], of_the_strip: Sequence[tuple[str, 
 
 def _pair(kind: str, folder: str, first: str, second: str, columns: Mapping[str, str]) -> Case:
     def load() -> tuple[Sequence[Recording], Sequence[Recording]]:
-        one, other = (_named(ALL_REAL / folder / f"{name}.csv", columns) for name in (first, second))
+        one, other = (read_named(ALL_REAL / folder / f"{name}.csv", columns) for name in (first, second))
         return [one], [other]
 
-    targets = tuple(name for name, channel in TARGET_OF.items() if channel in columns)
+    targets = tuple(name for name, (channel, _) in TARGETS.items() if channel in columns)
     return Case(kind, f"{folder.split('_')[0]} {first} -> {second}", load, targets)
 
 
@@ -188,16 +188,13 @@ def _sleeve(kind: str, what: str, cuts: Sequence[float]) -> Iterator[Case]:
         columns = {"displacement_mm": "knee_angle_deg", "resistance_ohm": f"{sensor}_dR_R0"}
 
         def load(columns: Mapping[str, str] = columns) -> tuple[Sequence[Recording], Sequence[Recording]]:
-            whole = _named(ALL_REAL / SLEEVE, columns, change=True)
+            whole = read_named(ALL_REAL / SLEEVE, columns, change=True)
             return [_share(whole, *cuts[:2])], [_share(whole, *cuts[-2:])]
 
         yield Case(kind, f"sleeve {sensor}, {what}", load, ("displacement",))
 
 
-TARGET_OF = {"force": "force_N", "displacement": "displacement_mm"}
-
-
-def _named(path: Path, columns: Mapping[str, str], change: bool = False) -> Recording:
+def read_named(path: Path, columns: Mapping[str, str], change: bool = False) -> Recording:
     """A recording of these columns; a resistance that is a change against the first counts from 1 on."""
     found = read_columns(path)
     channels = {name: found[column] for name, column in columns.items()}
