@@ -155,6 +155,11 @@ def cross_validation_table(recipe: Mapping[str, Any], unit: str) -> str:
             f"  for this motion and day; with the gain and zero of another day or specimen about r2 "
             f"{promise['r2_elsewhere']:.2f}: {few} cannot show it, give more, or `compensation recalibrate`"
         )
+    if recordings > 1 and promise["r2"] < promise["raw_r2"]:
+        lines.append(
+            "  below raw, which is given each recording's own gain and zero: are all recordings of one kind of "
+            "sensor, and in the same units?"
+        )
     if promise["r2_ordinary"] <= 0:
         lines.append(
             "  no better than a constant: was this sensor's reference recorded throughout, and without spikes?"

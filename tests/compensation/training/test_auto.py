@@ -330,6 +330,15 @@ def test_a_rest_among_the_recordings_has_no_r2_of_its_own(series):
     assert np.isfinite(found.recipe["cross_validated"]["raw_r2"])
 
 
+@pytest.mark.parametrize(("count", "above", "asked"), [(2, 0.01, True), (2, -0.01, False), (1, 0.01, False)])
+def test_recordings_that_are_better_apart_are_asked_about(trained, count, above, asked):
+    """One of two in kiloohm: what was learned of both was worse than either one's own straight line."""
+    promise = trained.recipe["cross_validated"]
+    recipe = {**trained.recipe, "cross_validated": {**promise, "raw_r2": promise["r2"] + above}}
+    table = cross_validation_table(recipe | {"trained_on": [""] * count}, "N")
+    assert ("are all recordings of one kind of sensor, and in the same units?" in table) == asked
+
+
 def test_what_is_no_better_than_a_constant_is_said(trained):
     promise = trained.recipe["cross_validated"]
     for r2, said in ((promise["r2_ordinary"], False), (-0.1, True)):
