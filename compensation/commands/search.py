@@ -86,7 +86,11 @@ def _chosen(args: argparse.Namespace) -> list[Candidate]:
 
     if args.sample is not None and args.sample < 1:
         raise UserError(f"--sample must be at least 1, got {args.sample}")
-    bases = search_space.BASES if args.bases is None else _bases(args.bases)
+    bases = search_space.BASES if args.bases is None else whole_numbers(args.bases)
+    if not bases or not all(2 <= base <= 256 for base in bases):
+        raise UserError(
+            f"--bases must be whole numbers from 2 to 256 with commas, such as 4,8,16; got {args.bases!r}"
+        )
     chosen = search_space.candidates(args.preset, bases)
     return search_space.spread(chosen, args.sample) if args.sample else chosen
 
@@ -102,13 +106,6 @@ def _check(args: argparse.Namespace) -> None:
             raise UserError(f"{flag} must be at least 1, got {count}")
     if args.scheduler and args.backend != "dask":
         raise UserError("--scheduler needs --backend dask")
-
-
-def _bases(text: str) -> tuple[int, ...]:
-    bases = whole_numbers(text)
-    if not bases or not all(2 <= base <= 256 for base in bases):
-        raise UserError(f"--bases must be whole numbers from 2 to 256 with commas, such as 4,8,16; got {text!r}")
-    return bases
 
 
 def _table(ranking) -> str:

@@ -76,7 +76,8 @@ def run(args: argparse.Namespace) -> int:
     common.check_places(args.output, args.plot)
     recordings = common.read_all(args, "force" if args.twin else args.target)  # a twin is fitted on the force as well
     check_distinct(recordings, GIVEN_TWICE, channels=(RESISTANCE,))
-    args.method = args.method or _implied(args)
+    # Where no method is named, it is the paper's if one of its options is given.
+    args.method = args.method or ("paper" if given(args, OWN_CHOICES) or args.per_recording else "auto")
     _check_long_enough(args, options, recordings)
     compensator = _from_twin(args, recordings, options) if args.twin else _from_data(args, recordings, options)
     save(args.output, compensator)
@@ -93,11 +94,6 @@ def run(args: argparse.Namespace) -> int:
         note += "\nwarning: the network is dead, its output hardly moves: give another --seed or more --restarts"
     # Where there is what was predicted unseen, a score of what was learned by heart would only mislead.
     return common.finish(args, score_recordings(compensator, recordings), note, table=not cross_validated)
-
-
-def _implied(args: argparse.Namespace) -> str:
-    """The method where none is named: the paper's where one of its options is given."""
-    return "paper" if given(args, OWN_CHOICES) or args.per_recording else "auto"
 
 
 def _check_long_enough(args: argparse.Namespace, options: Options, recordings: list[Recording]) -> None:

@@ -87,7 +87,9 @@ def c_header(compensator: TrainedCompensator | Fitted, name: str = "knitbench") 
         widest=max(max(network.sizes, default=1) for network in networks),
         motions=len(history.motion_taus_s),
         plays=len(history.play_radii),
-        flags=_flags(name.upper()),
+        flags="\n".join(
+            f"#define {name.upper()}_{flag.name} {int(flag)}u /* {text} */" for flag, text in MEANING.items()
+        ),
         margins=_margins(name.upper(), compensator.margins),
         shortest=_number(STEPS_S[0]),
         longest=_number(STEPS_S[1]),
@@ -154,10 +156,6 @@ def _network_call(name: str, index: int, network: Network) -> str:
         )
         source = out
     return "\n".join([*lines, "        result += value;"])
-
-
-def _flags(prefix: str) -> str:
-    return "\n".join(f"#define {prefix}_{flag.name} {int(flag)}u /* {text} */" for flag, text in MEANING.items())
 
 
 def _margins(prefix: str, margins: tuple[float, float] | None) -> str:

@@ -97,11 +97,6 @@ class _Recalibration(BaseModel):
         return self
 
 
-def _every(recalibrated: Any) -> Any:
-    """All recalibrations, one after another; an older file has the last one alone."""
-    return recalibrated if isinstance(recalibrated, list) else [recalibrated]
-
-
 class _Recipe(BaseModel):
     """What `score` and `recalibrate` read of how a compensator was trained; the rest is for people."""
 
@@ -110,7 +105,10 @@ class _Recipe(BaseModel):
     trained_digests: list[str] = []
     trained_lengths: list[int] = []
     cross_validated: _Promise | None = None
-    recalibrated: Annotated[list[_Recalibration], BeforeValidator(_every)] = []
+    # All of them, one after another; an older file has the last one alone.
+    recalibrated: Annotated[
+        list[_Recalibration], BeforeValidator(lambda told: told if isinstance(told, list) else [told])
+    ] = []
 
 
 class _File(_Strict):
@@ -147,7 +145,7 @@ def save(path: str | Path, compensator: TrainedCompensator) -> None:
     try:
         data = json_of(json.dumps(written, default=_plain, allow_nan=False), "compensator")
         data["sha256"] = _digest(data)
-        _checked(data)
+        _built(data)
     except ValueError as error:
         raise UserError(
             f"{path}: not written, for nothing could read it again: {first_problem(error)}; bring conductance and "
@@ -198,12 +196,11 @@ def load(path: str | Path) -> TrainedCompensator:
         known = listed([str(version) for version in READABLE])
         raise UserError(f"{path}: compensator version {data.get('version')!r}; this knitbench reads {known}")
     try:
-        checked, networks = _checked(data)
+        built = _built(data)
     except ValueError as error:
         raise UserError(f"{path}: not a usable compensator: {first_problem(error)}") from None
-    if _digest({key: value for key, value in data.items() if key != "sha256"}) != checked.sha256:
+    if _digest({key: value for key, value in data.items() if key != "sha256"}) != data["sha256"]:
         raise UserError(f"{path}: the file was changed after it was saved (its checksum is wrong); train it again")
-    built = _build(checked, networks)
     if built.is_dead:
         say_once(
             f"{path}: its network is dead, its output hardly moves; train with another --seed or more --restarts"
@@ -211,11 +208,13 @@ def load(path: str | Path) -> TrainedCompensator:
     return built
 
 
-def _checked(data: dict[str, Any]) -> tuple[_File, tuple[Network, ...]]:
-    """What a file holds, and its networks; a `ValueError` says why nothing could run that."""
+def _built(data: dict[str, Any]) -> TrainedCompensator:
+    """The compensator that a file holds; a `ValueError` says why nothing could run that."""
     checked = _File.model_validate(data)
     networks = tuple(Network.from_lists(net.weights, net.biases) for net in checked.networks)
-    inputs = len(checked.alphas) + len(checked.history.motion_taus_s) + len(checked.history.play_radii)
+    remembered = checked.history
+    history = History(tuple(remembered.motion_taus_s), tuple(remembered.play_radii), remembered.settle_s)
+    inputs = len(checked.alphas) + history.count
     if any(len(net.weights[0]) != inputs for net in networks):
         raise ValueError(f"its network does not take {inputs} inputs")
     vectors: list[list[float]] = []
@@ -225,29 +224,24 @@ def _checked(data: dict[str, Any]) -> tuple[_File, tuple[Network, ...]]:
         vectors += [checked.beginning.gain, checked.beginning.offset]
     if any(len(vector) != inputs for vector in vectors):
         raise ValueError(f"`seen` and `beginning` must hold {inputs} numbers each")
-    return checked, networks
-
-
-def _plain(part: Any) -> Any:
-    """A part of a compensator, for JSON."""
-    return part.tolist() if isinstance(part, np.ndarray) else vars(part)
-
-
-def _build(checked: _File, networks: tuple[Network, ...]) -> TrainedCompensator:
     as_they_are = ("target", "rate_hz", "start", "irregular", "per_recording", "sign")
-    remembered = checked.history
     return TrainedCompensator(
         **{name: getattr(checked, name) for name in as_they_are},
         alphas=np.asarray(checked.alphas),
         scaling_in=Scaling(**vars(checked.scaling_in)),
         scaling_out=Scaling(**vars(checked.scaling_out)),
         networks=networks,
-        history=History(tuple(remembered.motion_taus_s), tuple(remembered.play_radii), remembered.settle_s),
+        history=history,
         recipe=checked.recipe.model_dump(exclude_unset=True),
         seen=Seen(**vars(checked.seen)) if checked.seen else None,
         beginning=Beginning(**vars(checked.beginning)) if checked.beginning else None,
         margins=(checked.margins[0], checked.margins[1]) if checked.margins else None,
     )
+
+
+def _plain(part: Any) -> Any:
+    """A part of a compensator, for JSON."""
+    return part.tolist() if isinstance(part, np.ndarray) else vars(part)
 
 
 def _digest(data: dict[str, Any]) -> str:

@@ -18,6 +18,8 @@ def untrained(series: Sequence[Series], target: str, options: Options) -> Traine
     """Scalers, bank and history without a network."""
     conductance = np.concatenate([part.conductance_S for part in series])
     truth = np.concatenate([part.truth for part in series])
+    # Whether it rises or falls with the target is said within recordings: their levels say nothing.
+    together = sum(float((part.conductance_S - part.conductance_S.mean()) @ part.truth) for part in series)
     return TrainedCompensator(
         target=target,
         rate_hz=options.rate_hz,
@@ -28,14 +30,8 @@ def untrained(series: Sequence[Series], target: str, options: Options) -> Traine
         irregular=options.irregular,
         per_recording=options.per_recording,
         history=options.history,
-        sign=_direction(series),
+        sign=float(np.sign(together) or 1.0),
     )
-
-
-def _direction(series: Sequence[Series]) -> float:
-    """1 where conductance rises with the target within recordings, -1 where it falls: their levels say nothing."""
-    together = sum(float((part.conductance_S - part.conductance_S.mean()) @ part.truth) for part in series)
-    return float(np.sign(together) or 1.0)
 
 
 def training_arrays(blank: TrainedCompensator, series: Sequence[Series]) -> tuple[FloatArray, FloatArray]:
