@@ -15,14 +15,12 @@ import numpy as np
 from sequence_networks import Gru, Tcn, adam
 
 from compensation.memories.history import History
-from compensation.model.compensator import TrainedCompensator
 from compensation.paper.reproduction import regressors
 from compensation.series.preprocessing import Series
-from compensation.training.auto import train_automatically
 from compensation.training.lessons import STATE_SHIFT
 from compensation.training.options import Options
-from compensation.training.training import train_on_series
-from compensation.training.tuning import MOTION_TAUS_S, PLAY_RADII, tune
+from compensation.training.training import METHODS
+from compensation.training.tuning import MOTION_TAUS_S, PLAY_RADII
 from compensation.training.untrained import training_arrays, untrained
 from gcode.support.arrays import FloatArray
 
@@ -152,23 +150,14 @@ def sequence(network: Gru | Tcn, steps: int, rate: float) -> Rival:
     return fit
 
 
-def auto(series: Sequence[Series], target: str, seed: int) -> Fitted:
-    """`compensation train`, as it comes."""
-    return _ours(train_automatically(series, target, Options(seed=seed)))
+def ours(method: str) -> Rival:
+    """`compensation train --method METHOD`, as it comes."""
 
+    def fit(series: Sequence[Series], target: str, seed: int) -> Fitted:
+        compensator = METHODS[method](series, target, Options(seed=seed))
+        return Fitted(compensator.predict_series, compensator.parameter_count)
 
-def tuned(series: Sequence[Series], target: str, seed: int) -> Fitted:
-    """`compensation train --method tuned`."""
-    return _ours(tune(series, target, Options(seed=seed)))
-
-
-def paper(series: Sequence[Series], target: str, seed: int) -> Fitted:
-    """`compensation train --method paper`: (4, 2, 2), the best of five starts on the training."""
-    return _ours(train_on_series(series, target, Options(seed=seed)))
-
-
-def _ours(compensator: TrainedCompensator) -> Fitted:
-    return Fitted(compensator.predict_series, compensator.parameter_count)
+    return fit
 
 
 def _scales(series: Sequence[Series]) -> tuple[float, float, float, float]:
@@ -222,7 +211,7 @@ RIVALS: dict[str, Rival] = {
     "GRU": sequence(Gru(8), 300, 2e-2),
     "TCN": sequence(Tcn(8, 9), 500, 1e-2),
 }
-OURS: dict[str, Rival] = {"paper": paper, "tuned": tuned, "auto": auto}
+OURS: dict[str, Rival] = {name: ours(name) for name in ("paper", "tuned", "auto")}
 
 
 def available() -> tuple[dict[str, Rival], list[str]]:

@@ -35,7 +35,7 @@ def read_signals(path: str | Path, gauge_length_mm: float | None = None) -> Reco
             f"{path}: neither {FORCE} nor {DISPLACEMENT} (found: {', '.join(columns)}), so there is no reference; "
             "name yours, be it a strain, with `testbench import`; `compensation predict` needs none"
         )
-    if DISPLACEMENT in columns or TIME not in columns or not {FORCE, RESISTANCE} <= columns.keys():
+    if DISPLACEMENT in columns or TIME not in columns:
         return read_recording(path, length_mm)
     time_s = columns.pop(TIME)
     return Recording(time_s, {DISPLACEMENT: np.zeros(len(time_s)), **columns}, length_mm, str(path))
