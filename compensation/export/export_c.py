@@ -15,7 +15,7 @@ from compensation.engines.network import Network
 from compensation.export.c_template import HEADER
 from compensation.memories.ema import log_retention, start_steps
 from compensation.model.compensator import Fitted, TrainedCompensator
-from compensation.model.runtime import MEANING, READINGS_S, STEPS_S, beginning_of, limits_of, ranges_of, streamable
+from compensation.model.runtime import MEANING, READINGS_S, STEPS_S, limits_of, ranges_of, streamable
 from gcode.support.arrays import FloatArray
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
@@ -109,7 +109,7 @@ def c_header(compensator: TrainedCompensator | Fitted, name: str = "knitbench") 
 
 def _tables(compensator: TrainedCompensator, networks: Sequence[Network]) -> Iterator[tuple[str, FloatArray]]:
     """Name and numbers of every array of constants that is used."""
-    seen, begin, history = ranges_of(compensator), beginning_of(compensator), compensator.history
+    seen, begin, history = ranges_of(compensator), compensator.beginning or compensator.at_rest, compensator.history
     slack = PROMISED + rounding(compensator)
     yield "limits", np.array(limits_of(compensator))
     yield "seen", np.array([seen.low - slack, seen.high + slack])

@@ -10,7 +10,7 @@ import numpy as np
 
 from compensation.memories.ema import log_retention, start_steps
 from compensation.model.compensator import Fitted, TrainedCompensator
-from compensation.model.runtime import READINGS_S, STEPS_S, Status, beginning_of, limits_of, ranges_of, streamable
+from compensation.model.runtime import READINGS_S, STEPS_S, Status, limits_of, ranges_of, streamable
 from gcode.support.errors import UserError
 from gcode.support.files import atomic_path
 
@@ -177,7 +177,8 @@ def _status(
 
 def _features(graph: _Graph, compensator: TrainedCompensator) -> tuple[str, str, str]:
     """Names of the networks' inputs, of the standardised reading, and of "this filter is still starting"."""
-    filters, begin, (low, high) = len(compensator.alphas), beginning_of(compensator), limits_of(compensator)
+    filters, begin = len(compensator.alphas), compensator.beginning or compensator.at_rest
+    low, high = limits_of(compensator)
     centred = graph("Sub", "conductance_S", [compensator.scaling_in.mean])
     reading = graph("Div", centred, [compensator.scaling_in.scale])
     x = graph("Min", graph("Max", reading, [low]), [high])
@@ -203,7 +204,7 @@ def _with_history(
     graph: _Graph, compensator: TrainedCompensator, x: str, later: str, steps: str, smoothed: str
 ) -> str:
     """The features with those of `compensation.memories.history` behind them."""
-    history, parts, begin = compensator.history, [smoothed], beginning_of(compensator)
+    history, parts, begin = compensator.history, [smoothed], compensator.beginning or compensator.at_rest
     if not history.count:
         return smoothed
     dt = graph("Div", steps, [compensator.rate_hz])

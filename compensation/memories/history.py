@@ -35,7 +35,7 @@ class History:
     def count(self) -> int:
         return len(self.motion_taus_s) + len(self.play_radii)
 
-    def features(self, x: FloatArray, dt_s: FloatArray, held: FloatArray | None = None) -> FloatArray:
+    def features(self, x: FloatArray, dt_s: FloatArray, held: FloatArray) -> FloatArray:
         """Motions, then plays, at each sample.
 
         Parameters
@@ -44,8 +44,8 @@ class History:
             Standardised conductance.
         dt_s : ndarray, shape (n - 1,)
             Time from each sample to the next.
-        held : ndarray, shape (count,), optional
-            What the memories hold at the first sample; by default no motion, and plays that follow x.
+        held : ndarray, shape (count,)
+            What the memories hold at the first sample.
 
         Returns
         -------
@@ -53,12 +53,7 @@ class History:
         """
         from compensation.memories.compiled_filters import remember
 
-        held = self.at_rest(float(x[0])) if held is None else held
         return remember(x, dt_s, self.settle_s, np.asarray(self.motion_taus_s), np.asarray(self.play_radii), held)
-
-    def at_rest(self, x: float) -> FloatArray:
-        """What the memories hold where x has been there for ever: shape (count,)."""
-        return np.concatenate([np.zeros(len(self.motion_taus_s)), np.full(len(self.play_radii), x)])
 
 
 NO_HISTORY = History()
@@ -73,11 +68,10 @@ class RunningHistory:
         self._settled: float | None = None
         self._motion, self._play = np.zeros(len(self._taus_s)), np.zeros(len(self._radii))
 
-    def update(self, x: float, dt_s: float, held: FloatArray | None = None) -> FloatArray:
+    def update(self, x: float, dt_s: float, held: FloatArray) -> FloatArray:
         """Feed one sample; `dt_s` is ignored for the first, `held` for all others (see `History.features`)."""
         if self._settled is None:
             self._settled = x
-            held = self._history.at_rest(x) if held is None else held
             self._motion, self._play = held[: len(self._taus_s)].copy(), held[len(self._taus_s) :].copy()
         elif dt_s > 0:
             step = -np.expm1(-dt_s / self._history.settle_s) * (x - self._settled)

@@ -144,6 +144,13 @@ class TrainedCompensator(Unchanging):
         return len(self.alphas) + self.history.count
 
     @property
+    def at_rest(self) -> Beginning:
+        """Where to begin without anything learned: the first reading had been there for ever and nothing moved."""
+        gain = np.ones(self.input_count)
+        gain[len(self.alphas) : len(self.alphas) + len(self.history.motion_taus_s)] = 0.0
+        return Beginning(gain, np.zeros(self.input_count))
+
+    @property
     def is_dead(self) -> bool:
         """Whether no start of its network came alive: its output hardly moves."""
         return self.recipe.get("dead_networks", 0) == self.recipe.get("restarts")
@@ -160,13 +167,13 @@ class TrainedCompensator(Unchanging):
         if self.seen is not None:
             values = self.seen.held(values)
         filters = len(self.alphas)
-        begin = self.beginning if self.start == "causal" else None
-        affine = None if begin is None else (begin.gain[:filters], begin.offset[:filters])
+        begin = (self.beginning if self.start == "causal" else None) or self.at_rest
+        affine = begin.gain[:filters], begin.offset[:filters]
         time_s = np.asarray(time_s, dtype=np.float64)
         uniform = not (self.irregular or gaps_in(time_s))
         steps_s = np.full(len(values) - 1, 1.0 / self.rate_hz) if uniform else np.diff(time_s)
         smoothed = smooth(values, self.alphas, self.rate_hz, self.start, affine, steps_s)
-        held = None if begin is None else begin.gain[filters:] * values[0] + begin.offset[filters:]
+        held = begin.gain[filters:] * values[0] + begin.offset[filters:]
         return np.hstack([smoothed, self.history.features(values, steps_s, held)])
 
     def predict(self, time_s: FloatArray, conductance_S: FloatArray) -> FloatArray:

@@ -91,15 +91,6 @@ def ranges_of(compensator: TrainedCompensator) -> Seen:
     return Seen(-UNKNOWN_LIMIT, UNKNOWN_LIMIT, -wide, wide)
 
 
-def beginning_of(compensator: TrainedCompensator) -> Beginning:
-    """Where to begin; without anything learned, as if the first reading had been there for ever and nothing moved."""
-    if compensator.beginning is not None:
-        return compensator.beginning
-    gain = np.ones(compensator.input_count)
-    gain[len(compensator.alphas) : len(compensator.alphas) + len(compensator.history.motion_taus_s)] = 0.0
-    return Beginning(gain, np.zeros(compensator.input_count))
-
-
 def fault_of(conductance_S: float, step_s: float) -> Status:
     """What is wrong with a sample itself."""
     fault = Status.GOOD

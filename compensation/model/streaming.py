@@ -8,7 +8,7 @@ from compensation.engines.network import mean_output
 from compensation.memories.ema import log_retention, start_steps
 from compensation.memories.history import RunningHistory
 from compensation.model.compensator import Fitted, TrainedCompensator
-from compensation.model.runtime import Status, beginning_of, fault_of, limits_of, ranges_of, streamable, unseen
+from compensation.model.runtime import Status, fault_of, limits_of, ranges_of, streamable, unseen
 from gcode.support.kinds import number
 
 
@@ -55,7 +55,7 @@ class CompensatorStream:
         self._compensator, self.margins = compensator, compensator.margins
         self._log_keep = log_retention(compensator.alphas)
         self._lengths = start_steps(compensator.alphas, compensator.rate_hz)
-        self._seen_in_training, self._beginning = ranges_of(compensator), beginning_of(compensator)
+        self._seen_in_training, self._beginning = ranges_of(compensator), compensator.beginning or compensator.at_rest
         self._limits = limits_of(compensator)
         self.reset()
 

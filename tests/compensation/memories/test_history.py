@@ -13,8 +13,14 @@ from compensation.memories.history import SETTLE_S, History, RunningHistory
 DT_S = 0.05
 
 
-def features(history: History, x: np.ndarray) -> np.ndarray:
-    return history.features(np.asarray(x, dtype=float), np.full(len(x) - 1, DT_S))
+def features(history: History, x: np.ndarray, steps: np.ndarray | None = None) -> np.ndarray:
+    """From rest: no motion, and plays that follow x."""
+    steps = np.full(len(x) - 1, DT_S) if steps is None else steps
+    return history.features(np.asarray(x, dtype=float), steps, at_rest(history, x[0]))
+
+
+def at_rest(history: History, x: float) -> np.ndarray:
+    return np.repeat([0.0, x], [len(history.motion_taus_s), len(history.play_radii)])
 
 
 def test_a_steady_ramp_has_its_speed_whichever_way_it_goes():
@@ -46,13 +52,13 @@ def test_play_lags_by_its_radius_and_holds_through_small_turns():
 def test_stream_is_the_batch_at_any_sampling(x, gaps):
     history = History((0.5, 8.0), (0.2, 1.0))
     steps = np.array(gaps[: len(x) - 1])
-    running = RunningHistory(history)
-    streamed = [running.update(value, step) for value, step in zip(x, [9.9, *steps], strict=True)]
-    np.testing.assert_allclose(streamed, history.features(np.array(x), steps), rtol=1e-9, atol=1e-12)
+    running, held = RunningHistory(history), at_rest(history, x[0])
+    streamed = [running.update(value, step, held) for value, step in zip(x, [9.9, *steps], strict=True)]
+    np.testing.assert_allclose(streamed, features(history, x, steps), rtol=1e-9, atol=1e-12)
 
 
 def test_no_history_has_no_features():
-    assert History().features(np.ones(5), np.ones(4)).shape == (5, 0)
+    assert features(History(), np.ones(5)).shape == (5, 0)
 
 
 def test_a_network_absorbs_an_affine_map():

@@ -87,16 +87,6 @@ def test_a_wrong_gain_and_zero_leave_the_rescaled_score_as_it_is(compensator, re
     assert score_recordings(dead, recordings[1:2])["summary"]["r2_rescaled"] == pytest.approx(0.0, abs=1e-9)
 
 
-def test_saved_and_read_back_it_predicts_the_same(compensator, recordings, tmp_path):
-    compensator_files.save(tmp_path / "c.json", compensator)
-    again = compensator_files.load(tmp_path / "c.json")
-    recording = recordings[1].resampled(20.0)
-    np.testing.assert_array_equal(
-        again.predict(recording.time_s, recording.conductance_S),
-        compensator.predict(recording.time_s, recording.conductance_S),
-    )
-
-
 def test_the_test_recording_does_not_leak_into_the_scaler(compensator, recordings):
     """A prediction is the same whatever comes later in the recording."""
     recording = recordings[1].resampled(20.0)
