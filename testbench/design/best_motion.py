@@ -109,8 +109,8 @@ def best_motion(
             found.append(_Weighed(name, motion, told))
             tell(f"motion {len(found)} tells {told.low:.3f} nats ({name})")
 
-    for name, motion in _named(bounds, seed).items():
-        weigh(name, motion)
+    for name, made in drivable(bounds, seed).items():
+        weigh(name, Motion((), made.spec, made.trajectory))
     by_chance = max(int(BY_CHANCE * trials), 1)
     for number in range(trials):
         free = sorted((w for w in found if w.motion.genes), key=lambda w: w.told.conditional_entropy)[:BEST]
@@ -156,9 +156,3 @@ class _Weigher:
         if not all(np.all(np.isfinite(p.mean)) and np.all(np.isfinite(p.factor)) for p, _ in expected):
             return None
         return information([prediction for prediction, _ in expected], self.probabilities)
-
-
-def _named(bounds: Bounds, seed: int) -> dict[str, Motion]:
-    """The protocols of `testbench experiment`, as far as they keep the time."""
-    found = drivable(bounds, seed)
-    return {name: Motion((), made.spec, made.trajectory) for name, made in found.items()}
