@@ -72,12 +72,19 @@ def _law(proposed: Proposed, step: Step, index: int) -> Iterator[str]:
         f"recordings and is the best in {percent(option.chosen)}"
     )
     yield f"    judged on the held-out recording, {_beyond(step)}"
-    for place, other in enumerate(step.alternatives[:SHOWN]):
-        is_tied = abs(other.log_evidence - option.log_evidence) < TIED_NATS
-        tied = "cannot be told from it" if is_tied else "less likely"
-        if place == 0:
-            yield "    instead of it:"
-        yield f"      {other.log_evidence:+8.1f} nats  {tied}: {in_words(other.law)}"
+    if step.alternatives:
+        yield "    instead of it:"
+    for other in step.alternatives[:SHOWN]:
+        yield f"      {other.log_evidence:+8.1f} nats  {_beside(other, option)}: {in_words(other.law)}"
+
+
+def _beside(other: Option, option: Option) -> str:
+    """How likely another law is beside the one that was chosen."""
+    if abs(other.log_evidence - option.log_evidence) < TIED_NATS:
+        return "cannot be told from it"
+    if other.log_evidence < option.log_evidence:
+        return "less likely"
+    return f"more likely, but refused: it gains in {percent(other.holds)} of the resampled recordings"
 
 
 def _beyond(step: Step) -> str:

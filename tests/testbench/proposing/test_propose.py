@@ -119,6 +119,10 @@ def test_the_words_say_what_it_is_and_what_could_not_be_judged():
     assert text.startswith("proposed: the conductance rises with a state that forms with time and is wiped out")
     for part in ("n' = (1 / tau_1) (1 - n)", "LaTeX:", "+ my_effect", "no temperature was recorded"):
         assert part in text
+    (step,) = found().steps
+    better = replace(step.option, log_evidence=step.option.log_evidence + 20, holds=0.6)
+    text = proposal_text(replace(found(), steps=(replace(step, alternatives=(better,)),)))
+    assert "more likely, but refused: it gains in 60 % of the resampled recordings: the conductance" in text
 
 
 def test_how_far_the_held_out_recording_goes_beyond_the_fit_is_said():
