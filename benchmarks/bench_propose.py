@@ -132,7 +132,7 @@ def scored(job: Job, truth: dict[str, Any], said: Proposed) -> Row:
     }
     if job.effect in EXPECTED and laws:
         places, coordinates = EXPECTED[job.effect]
-        row["stage"] = laws[0].place.name in places
+        row["stage"] = laws[0].place.name.removesuffix(" by a share") in places
         row["coordinate"] = laws[0].term.coordinate.name in coordinates
         hidden = truth["effects"][0].get("shape") or truth["effects"][0].get("parameters") or {}
         true = next((hidden[key] for key in TIMES if key in hidden), None)

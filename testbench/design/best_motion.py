@@ -14,7 +14,6 @@ import numpy as np
 
 from gcode.programs.make import Made, make
 from gcode.support.errors import UserError
-from gcode.trajectories.trajectory import Trajectory
 from testbench.design.ahead import following
 from testbench.design.compositions import Motion, drawn, in_words, motion_of, varied
 from testbench.design.forecast import Forecaster, Likely, Reading
@@ -100,22 +99,29 @@ def best_motion(
         raise UserError(f"a motion that separates needs two hypotheses or more, got {len(likely)}")
     tell = progress or (lambda _text: None)
     tell("linearising what is still likely")
-    weigher = _Weigher(likely, measurement, reading, bounds, rest_s, max_force_N)
+    history = coarser(measurement, DESIGN_HZ)
+    forecasters = [Forecaster(one, history, reading) for one in likely]
+    probabilities = [max(one.probability, LEAST_WEIGHT) for one in likely]
     rng = np.random.default_rng(seed)
     found: list[_Weighed] = []
 
-    def weigh(name: str, motion: Motion | None) -> None:
-        if motion is not None and (told := weigher(motion.trajectory)):
+    def weigh(name: str, motion: Motion) -> None:
+        ahead = following(history, motion.trajectory, bounds.gauge_length_mm, rest_s)
+        predictions, tops_N = zip(*(one.expect(ahead) for one in forecasters), strict=True)
+        is_finite = all(np.isfinite(p.mean).all() and np.isfinite(p.factor).all() for p in predictions)
+        if is_finite and not any(top_N > max_force_N for top_N in tops_N):
+            told = information(predictions, probabilities)
             found.append(_Weighed(name, motion, told))
             tell(f"motion {len(found)} tells {told.low:.3f} nats ({name})")
 
-    for name, motion in _named(bounds, seed).items():
-        weigh(name, motion)
+    for name, made in drivable(bounds, seed).items():
+        weigh(name, Motion((), made.spec, made.trajectory))
     by_chance = max(int(BY_CHANCE * trials), 1)
     for number in range(trials):
         free = sorted((w for w in found if w.motion.genes), key=lambda w: w.told.conditional_entropy)[:BEST]
         genes = drawn(rng) if number < by_chance or not free else varied(free[number % len(free)].motion.genes, rng)
-        weigh("designed", motion_of(genes, bounds, seed))
+        if motion := motion_of(genes, bounds, seed):
+            weigh("designed", motion)
     perlin = next((w.told for w in found if w.name == NOISE), Information(0.0, 0.0, float("nan")))
     for one in sorted(found, key=lambda w: w.told.conditional_entropy):
         with contextlib.suppress(UserError):  # the controller's deviations may pass a limit that the plan keeps
@@ -129,36 +135,3 @@ class _Weighed:
     name: str
     motion: Motion
     told: Information
-
-
-class _Weigher:
-    """What a motion is expected to tell; None where a hypothesis expects too much force."""
-
-    def __init__(
-        self,
-        likely: Sequence[Likely],
-        measurement: Measurement,
-        reading: Reading,
-        bounds: Bounds,
-        rest_s: float | None,
-        max_force_N: float,
-    ) -> None:
-        self.history = coarser(measurement, DESIGN_HZ)
-        self.forecasters = [Forecaster(one, self.history, reading) for one in likely]
-        self.probabilities = [max(one.probability, LEAST_WEIGHT) for one in likely]
-        self.bounds, self.rest_s, self.max_force_N = bounds, rest_s, max_force_N
-
-    def __call__(self, trajectory: Trajectory) -> Information | None:
-        ahead = following(self.history, trajectory, self.bounds.gauge_length_mm, self.rest_s)
-        expected = [one.expect(ahead) for one in self.forecasters]
-        if any(top_N > self.max_force_N for _, top_N in expected):
-            return None
-        if not all(np.all(np.isfinite(p.mean)) and np.all(np.isfinite(p.factor)) for p, _ in expected):
-            return None
-        return information([prediction for prediction, _ in expected], self.probabilities)
-
-
-def _named(bounds: Bounds, seed: int) -> dict[str, Motion]:
-    """The protocols of `testbench experiment`, as far as they keep the time."""
-    found = drivable(bounds, seed)
-    return {name: Motion((), made.spec, made.trajectory) for name, made in found.items()}

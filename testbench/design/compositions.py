@@ -26,8 +26,7 @@ ROOM = 0.97  # of the time: corners take some
 SHRINKS = 4  # trials to fit a motion into its time
 STEP = 0.25  # of a gene's numbers, in a variation
 
-
-Numbers = tuple[float, float, float]
+Numbers = tuple[float, ...]  # three
 
 
 @dataclass(frozen=True)
@@ -89,7 +88,7 @@ def varied(genes: Genes, rng: np.random.Generator) -> Genes:
         row[where] = replace(row[where], kind=str(rng.choice(list(KINDS))))
     else:
         numbers = np.clip(np.array(row[where].numbers) + rng.normal(0, STEP, 3), 0, 1)
-        row[where] = replace(row[where], numbers=(float(numbers[0]), float(numbers[1]), float(numbers[2])))
+        row[where] = replace(row[where], numbers=tuple(numbers.tolist()))
     return tuple(row)
 
 
@@ -120,8 +119,8 @@ def in_words(spec: TrajectorySpec) -> str:
 
 
 def _gene(rng: np.random.Generator) -> Gene:
-    a, b, c = rng.uniform(0, 1, 3)
-    return Gene(str(rng.choice(list(KINDS))), float(rng.uniform(0.3, 1.5)), (float(a), float(b), float(c)))
+    numbers = tuple(rng.uniform(0, 1, 3).tolist())
+    return Gene(str(rng.choice(list(KINDS))), float(rng.uniform(0.3, 1.5)), numbers)
 
 
 Make = Callable[[Numbers, float, Bounds], Sequence[Piece]]

@@ -13,7 +13,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
 from testbench.knit.effect import FloatArray
 
@@ -76,45 +75,33 @@ def information(predictions: Sequence[Prediction], probabilities: Sequence[float
     return Information(max(entropy - most, 0.0), max(entropy - least, 0.0), most)
 
 
-@dataclass(frozen=True, eq=False)
-class _Gaussian:
-    mean: FloatArray
-    root: FloatArray  # lower Cholesky factor of the covariance
-
-    @property
-    def half_log_det(self) -> float:
-        return float(np.log(np.diag(self.root)).sum())
-
-    def squares(self, readings: FloatArray) -> FloatArray:
-        """Squared Mahalanobis distances of rows, shape (m,)."""
-        return np.sum(solve_triangular(self.root, (readings - self.mean).T, lower=True) ** 2, axis=0)
+_Gaussian = tuple[FloatArray, FloatArray]  # mean and covariance
 
 
 def _spanned(predictions: Sequence[Prediction]) -> list[_Gaussian]:
     """All predictions in the space in which they differ from pure noise about the first one's mean."""
-    first = predictions[0].mean
-    apart = np.column_stack([p.mean - first for p in predictions])
+    apart = np.column_stack([p.mean - predictions[0].mean for p in predictions])
     basis = np.linalg.qr(np.hstack([apart, *(p.factor for p in predictions)]))[0]
-    found = []
-    for k, prediction in enumerate(predictions):
-        inside = basis.T @ prediction.factor
-        covariance = np.eye(basis.shape[1]) + inside @ inside.T
-        found.append(_Gaussian(basis.T @ apart[:, k], np.linalg.cholesky(covariance)))
-    return found
+    inside = [basis.T @ p.factor for p in predictions]
+    return [(mean, np.eye(len(mean)) + f @ f.T) for mean, f in zip((basis.T @ apart).T, inside, strict=True)]
 
 
 def _bhattacharyya(one: _Gaussian, other: _Gaussian) -> float:
-    middle = np.linalg.cholesky(0.5 * (one.root @ one.root.T + other.root @ other.root.T))
-    between = _Gaussian(other.mean, middle)
-    spread = between.half_log_det - 0.5 * (one.half_log_det + other.half_log_det)
-    return float(between.squares(one.mean[None])[0]) / 8 + spread
+    shift, middle = one[0] - other[0], 0.5 * (one[1] + other[1])
+    spread = _log_det(middle) - 0.5 * (_log_det(one[1]) + _log_det(other[1]))
+    return float(shift @ np.linalg.solve(middle, shift)) / 8 + 0.5 * spread
 
 
 def _divergence(one: _Gaussian, other: _Gaussian) -> float:
     """Kullback-Leibler divergence of `one` from `other`, in nats."""
-    trace = float(np.sum(solve_triangular(other.root, one.root, lower=True) ** 2))
-    shift = float(other.squares(one.mean[None])[0])
-    return 0.5 * (trace + shift - len(one.mean)) + other.half_log_det - one.half_log_det
+    shift = one[0] - other[0]
+    trace = float(np.trace(np.linalg.solve(other[1], one[1])))
+    spread = _log_det(other[1]) - _log_det(one[1])
+    return 0.5 * (trace + float(shift @ np.linalg.solve(other[1], shift)) - len(shift) + spread)
+
+
+def _log_det(covariance: FloatArray) -> float:
+    return float(np.linalg.slogdet(covariance)[1])
 
 
 def _conditional_entropy(distance: FloatArray, weight: FloatArray) -> float:

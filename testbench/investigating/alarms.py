@@ -6,17 +6,11 @@ from pathlib import Path
 
 from gcode.support.errors import UserError
 from testbench.investigating.state import Settings
-from testbench.recordings import manifest
 from testbench.recordings.channels import DISPLACEMENT, FORCE
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import read_manifest
 
 SAFE = 0.9  # share of that strain that is used again
-
-
-def is_alarmed(folder: Path) -> bool:
-    """Whether a campaign is there that an alarm ended."""
-    return (folder / manifest.NAME).is_file() and read_manifest(folder)[0].status == "alarm"
 
 
 def after_alarm(folder: Path, settings: Settings) -> Settings:

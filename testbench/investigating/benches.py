@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import takewhile
 from pathlib import Path
 from typing import Protocol
@@ -17,17 +16,14 @@ from testbench.campaigns.plan import Plan
 from testbench.campaigns.record import Job, begin, job_of, record
 from testbench.knit.model import KnitModel
 from testbench.recordings import manifest
-from testbench.recordings.instruments import Instruments
 from testbench.recordings.manifest import read_manifest
-from testbench.rig.acquisition.recorder import Limits, Status
+from testbench.rig.acquisition.recorder import Limits, Report
 from testbench.rig.connection.links import paced
-from testbench.rig.connection.serial_port import BAUD, GIVE_UP_S, SerialLink
+from testbench.rig.connection.serial_port import BAUD, SerialLink
 from testbench.rig.simulation.played import played
 from testbench.rig.simulation.pty_port import PtyPort, serve
 
 PATIENCE_S = 5.0  # for the rig to notice that nobody listens any more
-
-Report = Callable[[Status], None]
 
 
 @dataclass(frozen=True)
@@ -77,23 +73,16 @@ class SimulatedBench:
 
     model: KnitModel
     sensor: str = "model"
-    instruments: Instruments = field(default_factory=Instruments)
     effects: Path | None = None
     keeps_time: bool = False
 
     def plan(self, order: Order) -> Plan:
         """What the campaign depends on."""
+        past, gauge_mm = tuple(order.past), order.gauge_length_mm
         return Plan(
-            order.program,
-            self.model,
-            order.gauge_length_mm,
-            order.seed,
-            self.sensor,
-            self.instruments,
-            tuple(order.past),
-            order.rest_s,
-            self.effects,
-        )
+            order.program, self.model, gauge_mm, order.seed, self.sensor,
+            past=past, rest_s=order.rest_s, effects=self.effects,
+        )  # fmt: skip
 
     def run(self, order: Order, report: Report, stopped: Callable[[], bool] = lambda: False) -> None:
         plan = self.plan(order)
@@ -118,7 +107,7 @@ class PtyBench:
     keeps_time: bool = False
 
     def run(self, order: Order, report: Report, stopped: Callable[[], bool] = lambda: False) -> None:
-        if is_complete(order.folder):
+        if status_of(order.folder) == "complete":
             return
         if order.folder.exists():  # cut short: it is made again from its start, and so is the rig
             vacant(order.folder, overwrite=True, origin="recorded")
@@ -141,22 +130,18 @@ class PortBench:
     """A real rig on a serial port; the person starts the machine's program."""
 
     port: str
-    baud: int = BAUD
     limits: Limits = field(default_factory=Limits)
     specimen: str = ""
-    give_up_s: float = GIVE_UP_S
     keeps_time: bool = True
 
     def run(self, order: Order, report: Report, stopped: Callable[[], bool] = lambda: False) -> None:
-        if is_complete(order.folder):
+        if (left := status_of(order.folder)) == "complete":
             return
-        resume = (order.folder / manifest.NAME).is_file()
-        if resume:
-            job = replace(job_of(order.folder, self.port, self.give_up_s), port=self.port)
+        if resume := bool(left):
+            job = job_of(order.folder, self.port)
         else:
             vacant(order.folder, origin="")
-            gauge_mm = order.gauge_length_mm
-            job = Job(self.port, self.baud, order.program, gauge_mm, self.limits, self.specimen, self.give_up_s)
+            job = Job(self.port, BAUD, order.program, order.gauge_length_mm, self.limits, self.specimen)
         link = SerialLink(job.port, job.baud, job.give_up_s)
         try:
             if not resume:
@@ -174,11 +159,6 @@ class PortBench:
             )
 
 
-def is_complete(folder: Path) -> bool:
-    """Whether a campaign is there and was recorded to its end."""
-    return (folder / manifest.NAME).is_file() and read_manifest(folder)[0].status == "complete"
-
-
-def now_s() -> float:
-    """Seconds since 1970: rests outlive the process that measures them."""
-    return time.time()
+def status_of(folder: Path) -> str:
+    """How the campaign in a folder has ended, or that it has not; empty where there is none."""
+    return read_manifest(folder)[0].status if (folder / manifest.NAME).is_file() else ""

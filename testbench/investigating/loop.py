@@ -6,6 +6,7 @@ import contextlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from time import time as now_s  # rests outlive the process that measures them
 from typing import Any
 
 from gcode.programs.make import Made, make
@@ -14,9 +15,9 @@ from gcode.support.files import make_folder
 from testbench.design.best_motion import best_motion
 from testbench.design.compositions import SURVEY, in_words, motion_of
 from testbench.design.protocols import NOISE, menu
-from testbench.investigating.alarms import after_alarm, is_alarmed, set_aside
+from testbench.investigating.alarms import after_alarm, set_aside
 from testbench.investigating.belief import belief_after, doubted, over_specimens
-from testbench.investigating.benches import Bench, Order, now_s
+from testbench.investigating.benches import Bench, Order, status_of
 from testbench.investigating.state import (
     NAME,
     SPENT,
@@ -118,7 +119,7 @@ class _Loop:
                 self._plan()
             elif runs[-1].recorded:
                 self._judge()
-            elif is_alarmed(run_folder(self.folder, len(runs))):
+            elif status_of(run_folder(self.folder, len(runs))) == "alarm":
                 self._plan_anew()
             else:
                 self._record()
@@ -130,8 +131,8 @@ class _Loop:
 
     def _keep_run(self, **changes: Any) -> None:
         """Keep what the last run has come to."""
-        run = self.state.runs[-1].model_copy(update=changes)
-        self._keep(self.state.with_run(len(self.state.runs) - 1, run))
+        *before, run = self.state.runs
+        self._keep(self.state.model_copy(update={"runs": [*before, run.model_copy(update=changes)]}))
 
     def _ending(self) -> str:
         settings, belief = self.state.settings, self.state.belief
@@ -166,7 +167,7 @@ class _Loop:
             made, words, expected, perlin = found.made, found.words, found.expected.low, found.perlin.low
         made.write(program_folder(self.folder, number))
         run = RunState(words=words, seconds=made.trajectory.duration_s, expected_nats=expected, perlin_nats=perlin)
-        self._keep(self.state.with_run(number - 1, run))
+        self._keep(self.state.model_copy(update={"runs": [*self.state.runs, run]}))
 
     def _plan_anew(self) -> None:
         """Take back the plan whose recording an alarm ended: the next one keeps what the force has allowed.

@@ -223,11 +223,6 @@ class Investigation(StrictModel):
         """The last one."""
         return next((run.belief for run in reversed(self.runs) if run.belief is not None), None)
 
-    def with_run(self, index: int, run: RunState) -> Investigation:
-        """The same with one run exchanged or added."""
-        runs = [*self.runs[:index], run, *self.runs[index + 1 :]]
-        return self.model_copy(update={"runs": runs})
-
 
 def load_investigation(folder: str | Path) -> Investigation:
     """The investigation that is kept in `folder`.

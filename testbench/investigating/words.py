@@ -18,15 +18,11 @@ def spoken(name: str) -> str:
     return SPOKEN.get(name, words.spoken(name))
 
 
-def most_probable(chances: Mapping[str, float]) -> list[tuple[str, float]]:
-    """The hypotheses with the largest probabilities, those under a percent left out."""
-    ranked = sorted(chances.items(), key=lambda one: -one[1])[:SHOWN]
-    return [one for k, one in enumerate(ranked) if k == 0 or one[1] >= 0.01]
-
-
 def belief_words(chances: Mapping[str, float]) -> str:
-    """``permanent set 93 %, clamp slip 5 %``."""
-    return ", ".join(f"{spoken(name)} {percent(chance)}" for name, chance in most_probable(chances))
+    """``permanent set 93 %, clamp slip 5 %``: the most probable, those under a percent left out."""
+    first, *others = sorted(chances.items(), key=lambda one: -one[1])[:SHOWN]
+    told = [first, *(one for one in others if one[1] >= 0.01)]
+    return ", ".join(f"{spoken(name)} {percent(chance)}" for name, chance in told)
 
 
 def run_words(number: int, run: RunState) -> str:

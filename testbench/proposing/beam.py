@@ -11,7 +11,7 @@ from scipy.optimize import minimize
 from testbench.diagnosis.searching.side_by_side import SideBySide
 from testbench.knit.effect import FloatArray
 from testbench.proposing.grids import LATE_S, Grid, rounded, usual_size
-from testbench.proposing.laws.grammar import NO_MEMORY, SIGNAL_ONLY, coordinates_at, fits, price_of
+from testbench.proposing.laws.grammar import coordinates_at, fits, price_of
 from testbench.proposing.laws.law import Law, Term, namespace
 from testbench.proposing.laws.law_coordinates import KINETICS
 from testbench.proposing.laws.law_parts import Operator, Slot
@@ -24,6 +24,7 @@ LEVELS, POLISHED = 2, 10  # times that they grow; how many have their numbers op
 EVALUATIONS = 60
 CLOUDS, IN_CLOUD, CLOSER = 6, 30, 0.5  # clouds of points around the best, how many in each, and each over the last
 TOGETHER = 64  # laws that are weighed at once
+Point = tuple[Place, Term, dict[str, float]]  # a law without its strength
 STEPS = {"period": 0.02, "share": 0.05}  # e-folds; of all others that have a logarithmic scale, more
 
 
@@ -36,10 +37,23 @@ class Found:
 
 
 class Beam:
-    """One beam search for a law beside one fitted model."""
+    """One beam search for a law beside one fitted model.
 
-    def __init__(self, projector: Projector, grid: Grid, tell: Callable[[str], None], pool: SideBySide) -> None:
-        self.projector, self.grid, self.tell, self.pool = projector, grid, tell, pool
+    Parameters
+    ----------
+    known : sequence of Law
+        What was found before: what one channel follows another may follow as well.
+    """
+
+    def __init__(
+        self,
+        projector: Projector,
+        grid: Grid,
+        tell: Callable[[str], None],
+        pool: SideBySide,
+        known: Sequence[Law] = (),
+    ) -> None:
+        self.projector, self.grid, self.tell, self.pool, self.known = projector, grid, tell, pool, known
         self.chain = projector.chain
         signals = {p.name: self.chain.readable(p) for p in self.chain.places}
         self.readable = {name: set(own) for name, own in signals.items()}
@@ -59,53 +73,34 @@ class Beam:
 
     # --- seeds ---
 
-    def seeds(self) -> Iterator[tuple[Place, Term, dict[str, float]]]:
+    def seeds(self) -> Iterator[Point]:
         for place in self.chain.places:
-            if place.name == "conductance reading":
-                continue  # the same trace as the conductance's; which it is, is decided in the end
-            for coordinate in coordinates_at(place, self.readable[place.name]):
+            if place.name == "conductance reading" or place.is_share:
+                continue  # the trace of another place, times a force; which it is, is decided in the end
+            coordinates = coordinates_at(place, self.readable[place.name])
+            for law in self.known:
+                if law.term.coordinate in coordinates and set(law.term.reads) <= self.readable[place.name]:
+                    yield place, law.term, dict(law.values)
+            for coordinate in coordinates:
                 plain = Term(coordinate, (), self.grid.span)
                 for values in self.grid.points(coordinate.slots, None):
                     yield place, plain, values
                     if coordinate.name in KINETICS:
-                        yield from self.multiplied(place, plain, values)
+                        yield from self.grown(place, plain, values, ("factor",))
                         continue
-                    x = plain.within(self.names[place.name], values)
                     yield place, changing(plain), values
-                    yield from self.bent(place, plain, values, x)
-                    for term, more in self.remembering(plain, x):
-                        yield place, term, values | more
-                        yield from self.sized(place, term, values | more)
+                    # What is even, or sharp, leaves no trace in its straight line.
+                    yield from self.grown(place, plain, values, ("bend",))
+                    for _, term, more in self.grown(place, plain, values, ("memory",)):
+                        yield place, term, more
+                        yield from self.sized(place, term, more)
                         if term.memory == "lag":
-                            yield from self.multiplied(place, term, values | more)
+                            # What is remembered often changes a force by a share, not by an amount.
+                            yield from self.grown(place, term, more, ("factor",))
                         else:
-                            yield place, changing(term), values | more
+                            yield place, changing(term), more
 
-    def remembering(self, term: Term, x: FloatArray) -> Iterator[tuple[Term, dict[str, float]]]:
-        name = term.coordinate.name
-        if name in NO_MEMORY:
-            return
-        for one in OPERATORS.values():
-            if one.kind == "memory" and name in SIGNAL_ONLY.get(one.name, {name}):
-                for values in self.grid.points(one.slots, x, one.name):
-                    yield with_operator(term, one, x), values
-
-    def bent(self, place: Place, plain: Term, values: dict[str, float], x: FloatArray):
-        """A coordinate through every bend: what is even, or sharp, leaves no trace in its straight line."""
-        for one in OPERATORS.values():
-            if one.kind == "bend" and fits(plain, one, 0, x):
-                for more in self.grid.points(one.slots, x, one.name):
-                    yield place, with_operator(plain, one, x), values | more
-
-    def multiplied(self, place: Place, term: Term, values: dict[str, float]):
-        """A term times what it may act on: what is remembered often changes a force by a share, not by an amount."""
-        x, readable = term.within(self.names[place.name], values), self.readable[place.name]
-        for one in OPERATORS.values():
-            if one.kind == "factor" and set(one.reads) <= readable and fits(term, one, len(term.operators), x):
-                for more in self.grid.points(one.slots, x, one.name):
-                    yield place, with_operator(term, one, x), values | more
-
-    def sized(self, place: Place, term: Term, values: Mapping[str, float]):
+    def sized(self, place: Place, term: Term, values: dict[str, float]) -> Iterator[Point]:
         """The term without its sign (its size, its square), where it has one."""
         if term.coordinate.signed and term.memory != "dead band":
             yield place, with_operator(term, OPERATORS["size"]), values
@@ -113,44 +108,49 @@ class Beam:
 
     # --- growth ---
 
-    def children(self, law: Law) -> Iterator[tuple[Place, Term, dict[str, float]]]:
+    def children(self, law: Law) -> Iterator[Point]:
         """The law with one piece more, or one in the place of another, wherever that makes sense."""
         term = law.term
-        yield from self.widened(law, term, None)
+        for at in range(len(term.operators) + 1):
+            yield from self.grown(law.place, term, law.values, at=at)
         for at, one in enumerate(term.operators):
-            yield from self.widened(law, term.without(at), at, one.name)
+            yield from self.grown(law.place, term.without(at), law.values, at=at, other_than=one.name)
 
-    def widened(self, law: Law, term: Term, only: int | None, not_this: str = ""):
-        """The term with one operator put in, at one place of its chain or at any."""
-        readable = self.readable[law.place.name]
+    def grown(
+        self,
+        place: Place,
+        term: Term,
+        values: Mapping[str, float],
+        kinds: Sequence[str] = ("memory", "bend", "factor"),
+        at: int | None = None,
+        other_than: str = "",
+    ) -> Iterator[Point]:
+        """The term with one operator of these kinds put in, at its end or before operator number `at`."""
+        at = len(term.operators) if at is None else at
+        values = {slot.key: values[slot.key] for slot in term.slots}
         # A factor may come twice: as its square.
-        has = {one.name for one in term.operators if one.kind != "factor"} | {not_this}
-        values = {slot.key: law.values[slot.key] for slot in term.slots}
-        for at in range(len(term.operators) + 1) if only is None else (only,):
-            inner = Term(term.coordinate, term.operators[:at], term.span, term.sizes[:at])
-            x = inner.within(self.names[law.place.name], values)
-            for one in OPERATORS.values():
-                if one.name in has or not set(one.reads) <= readable or not fits(term, one, at, x):
-                    continue
-                grown = with_operator(term, one, x, at)
+        has = {one.name for one in term.operators if one.kind != "factor"} | {other_than}
+        x = Term(term.coordinate, term.operators[:at], term.span, term.sizes[:at]).within(
+            self.names[place.name], values
+        )
+        for one in OPERATORS.values():
+            makes_sense = one.kind in kinds and one.name not in has and set(one.reads) <= self.readable[place.name]
+            if makes_sense and fits(term, one, at, x):
                 for more in self.grid.points(one.slots, x, one.name):
-                    yield law.place, grown, values | more
+                    yield place, with_operator(term, one, x, at), values | more
 
     # --- scores ---
 
-    def scored(self, points: Iterable[tuple[Place, Term, dict[str, float]]]) -> list[Found]:
+    def scored(self, points: Iterable[Point]) -> list[Found]:
         """First-order evidence of every point."""
-        by_place: dict[str, list[tuple[Place, Term, dict[str, float]]]] = {}
+        by_place: dict[str, list[Point]] = {}
         for point in points:
             by_place.setdefault(point[0].name, []).append(point)
         parts = [own[k : k + TOGETHER] for own in by_place.values() for k in range(0, len(own), TOGETHER)]
-        shares = [range(k, len(parts), self.pool.count) for k in range(self.pool.count)]
-        found = self.pool.map(lambda share: {k: self.of_one_place(parts[k]) for k in share}, shares)
-        by_part = {k: scored for share in found for k, scored in share.items()}
         # In the order of the parts: which of two equal laws comes first must not depend on the number of cores.
-        return [one for k in range(len(parts)) for one in by_part[k]]
+        return [one for scored in self.pool.map(self.of_one_place, parts) for one in scored]
 
-    def of_one_place(self, points: Sequence[tuple[Place, Term, dict[str, float]]]) -> list[Found]:
+    def of_one_place(self, points: Sequence[Point]) -> list[Found]:
         """Score laws of one place with their parameters, all at once."""
         place = points[0][0]
         z = np.array([term.within(self.names[place.name], values) for _, term, values in points])

@@ -30,6 +30,12 @@ DECADES = (1.5, 3.0)
 SHORTEST_S = 1e-3  # a state may form in much less than a sample, a whole span beyond its edge
 DELAYS_S = (0.1, 0.3, 1.0)
 LATE_S, MOST_SKEW = 0.3, 0.05  # clocks are tried in steps of so much at the end of the recording, up to this share
+BOUNDS = {  # of kinds that have the same everywhere: least, largest, whether their scale is logarithmic
+    "delay": (0.0, 10.0, False),
+    "skew": (-2 * MOST_SKEW, 2 * MOST_SKEW, False),
+    "frequency": (0.01, 50.0, True),
+    "angle": (-20.0, 20.0, False),
+}
 SHARES = (0.85, 0.95)  # of a last top
 SWINGS = (0.02, 0.05)  # of the span, by which the strain has turned
 TEETH = ("stick", "dead band")  # that come again with each length of travel
@@ -122,16 +128,10 @@ class Grid:
         """Least and largest value around one that was found, and whether its scale is logarithmic."""
         if slot.kind == "time":
             return min(SHORTEST_S, value), max(1e5, value), True
-        if slot.kind == "delay":
-            return 0.0, 10.0, False
-        if slot.kind == "skew":
-            return -2 * MOST_SKEW, 2 * MOST_SKEW, False
-        if slot.kind == "frequency":
-            return 0.01, 50.0, True
+        if slot.kind in BOUNDS:
+            return BOUNDS[slot.kind]
         if slot.kind == "number":
             return slot.low, slot.high, True
-        if slot.kind == "angle":
-            return -20.0, 20.0, False
         if slot.kind == "level":
             reach = rounded(10 * max(abs(value), LEAST_LEVEL))
             return -reach, reach, False

@@ -52,6 +52,7 @@ class Hunt:
         self.said_nothing_left = excess(self.base, self.likelihood) < NOTHING_LEFT
         self.stiff = stiff_start(search, self.base)
         self.grid = self.grid_for(self.base.model)
+        self.found: list[Law] = []
         self.fitter = LawFitter(self.likelihood, search.reference, self.grid)
 
     def grid_for(self, model: KnitModel) -> Grid:
@@ -70,6 +71,7 @@ class Hunt:
             if found is None:
                 break
             steps.append(found)
+            self.found.append(found[0].option.law)
             current = found[1]
         return steps
 
@@ -116,25 +118,27 @@ class Hunt:
 
     def look(self, null: Projector, name: str) -> list[Trial]:
         """The best laws beside a base, refitted with it, quickly."""
-        beam = Beam(null, self.grid_for(null.chain.model), self.tell, self.pool)
+        beam = Beam(null, self.grid_for(null.chain.model), self.tell, self.pool, self.found)
         found = beam.run()
         promising = [one for one in found if one.gain > LEAST_GAIN / 2]
         chosen = diverse(promising, FINALISTS, OF_ONE_FAMILY, OF_ONE_PLACE)
         return self.pool.map(lambda one: self.refitted(one.law, null, name), chosen)
 
     def refitted(self, law: Law, null: Projector, name: str) -> Trial:
-        """A law refitted with its base, quickly."""
+        """A law refitted with its base, quickly, in the better of the ways in which it may act."""
         self.tell(f"refitting with {law.key}")
-        return self.fitter.tried(law, name, null.hypothesis, null.law_prior_sd(law), null.chain.model)
+        sd = null.law_prior_sd(law)
+        tried = [self.fitter.tried(one, name, null.hypothesis, sd, null.chain.model) for one in law.ways()]
+        return max(tried, key=evidence_of)
 
     def simpler(self, trial: Trial, null: Projector) -> Trial:
         """A law without those of its pieces that the evidence does not ask for."""
         best = trial
         for at in reversed(range(len(trial.law.term.operators))):
             less = best.law.without(at)
-            score = null.of_law(less)
-            if score.gain > null.of_law(best.law).gain - LEAST_GAIN:
-                quick = self.refitted(replace(less, strength=score.strength), null, trial.name)
+            gain, strength = null.of_law(less)
+            if gain > null.of_law(best.law)[0] - LEAST_GAIN:
+                quick = self.refitted(replace(less, strength=strength), null, trial.name)
                 best = max(best, self.fitter.settled(quick), key=evidence_of)
         return best
 

@@ -48,12 +48,15 @@ class Step:
         How many of them these recordings cannot tell from it.
     dependence : tuple of ndarray
         z at the samples, and what is left of the channel there without and with the law.
+    beyond : float
+        Share of the held-out recording in which what the law follows lies beyond all that it was fitted on.
     """
 
     option: Option
     alternatives: tuple[Option, ...]
     tied: int
     dependence: tuple[FloatArray, FloatArray, FloatArray]
+    beyond: float = 0.0
 
 
 @dataclass(frozen=True)

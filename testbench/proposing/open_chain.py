@@ -47,7 +47,7 @@ class OpenChain:
         A strain or a force that shifts slowly carries friction with it: the slope is that of a lasting shift.
         """
         measured = self.measurement.channels
-        if not place.by_chain:
+        if place.stage >= Stage.CONTACT:
             own = FORCE_CHANNEL if place.writes == SIGNAL_OF[FORCE_CHANNEL] else CONDUCTANCE_CHANNEL
             return {own: np.ones_like(self.measurement.signals["time_s"])} if own in measured else {}
         state = self.after[place.stage]
@@ -55,7 +55,8 @@ class OpenChain:
         step = STEP * max(float(np.ptp(values)), 1e-9)
         moved = self.downstream(place.stage, {**state, place.writes: values + step})
         still = self.downstream(place.stage, state)
-        slopes = {c: (channel_of(moved, c) - channel_of(still, c)) / step for c in measured}
+        by = values / step if place.is_share else 1 / step
+        slopes = {c: (channel_of(moved, c) - channel_of(still, c)) * by for c in measured}
         return {c: slope for c, slope in slopes.items() if np.any(np.abs(slope) > 1e-9)}
 
     def downstream(self, stage: Stage, state: Signals) -> dict[str, FloatArray]:

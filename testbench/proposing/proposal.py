@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import takewhile
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -24,6 +25,7 @@ from testbench.proposing.hunt import Hunt
 from testbench.proposing.laws.law import Law
 from testbench.proposing.laws.places import PLACES
 from testbench.proposing.laws_found import Proposed, Step, Verdict, numbered
+from testbench.proposing.open_chain import OpenChain
 from testbench.proposing.trial import as_fitted
 from testbench.proposing.writing import effect_class
 from testbench.recordings.between import FRESH
@@ -36,7 +38,7 @@ MOST_LAWS = 2
 def propose_law(
     recording: Recording,
     held_out: Recording | None = None,
-    model: KnitModel | ModelFile | None = None,
+    model: ModelFile | None = None,
     name: str = "my_effect",
     catalogue: Catalogue | None = None,
     progress: Progress | None = None,
@@ -50,7 +52,7 @@ def propose_law(
         To calibrate on; everything is chosen on it.
     held_out : Recording, optional
         For the final error, and to take back a law that does not hold; default the last third of `recording`.
-    model : KnitModel or ModelFile, optional
+    model : ModelFile, optional
         The best model so far; its base laws are made free to bend. Default: the baseline.
     name : str
         Of the effect.
@@ -67,17 +69,14 @@ def propose_law(
         If the recordings are too short or too still, have a constant channel, or do not fit together.
     """
     tell = progress or (lambda text: None)
-    catalogue = catalogue or load_catalogue()
-    file = model if isinstance(model, ModelFile) else None
-    between = file.between if file and held_out else FRESH
+    between = model.between if model and held_out else FRESH
     calibration, held = split(recording, held_out, between=between)
-    given = file.model if file else model if isinstance(model, KnitModel) else None
     with threadpool_limits(1, "blas"):
-        search = Search(calibration, catalogue, tell, given)
-        hunt = Hunt(search, name, given is not None)
+        search = Search(calibration, catalogue or load_catalogue(), tell, model.model if model else None)
+        hunt = Hunt(search, name, model is not None)
         found = hunt.run(most)
         tell("judging on the held-out recording")
-        return _judged(hunt, found, file, calibration, held)
+        return _judged(hunt, found, model, calibration, held)
 
 
 def _judged(
@@ -101,9 +100,12 @@ def _judged(
     rejected: Step | None = None
     kept: list[Step] = []
     for index, (step, h) in enumerate(found):
-        step = replace(step, option=replace(step.option, law=at_its_instrument(step.option.law)))
+        law = at_its_instrument(step.option.law)
+        step = replace(
+            step, option=replace(step.option, law=law), beyond=beyond_the_fit(law, h.model, calibration, held)
+        )
         tried = on_the_ladder(
-            Fit.of(with_class(h, step.option.law, numbered(hunt.name, index), hunt.grid)),
+            Fit.of(with_class(h, law, numbered(hunt.name, index), hunt.grid)),
             ladder, f"+ {numbered(hunt.name, index)}", calibration, held,
         )  # fmt: skip
         if not holds(_held(after), _held(tried), floors):
@@ -112,7 +114,9 @@ def _judged(
         after = ladder = tried
         kept.append(step)
     # A law that came later has moved the numbers of those before it.
-    kept = [_as_in(after.model, step, numbered(hunt.name, k)) for k, step in enumerate(kept)]
+    for index, step in enumerate(kept):
+        law = as_fitted(step.option.law, after.model[numbered(hunt.name, index)])
+        kept[index] = replace(step, option=replace(step.option, law=law))
     verdict: Verdict = "proposed" if kept else "does_not_hold" if rejected else "no_law"
     if hunt.said_nothing_left:
         verdict = "nothing_left"
@@ -120,10 +124,6 @@ def _judged(
         verdict, hunt.name, tuple(kept), rejected, tuple(not_judged(calibration)), before, after,
         _held(before), _held(after), floors, calibration, held, hunt.grid,
     )  # fmt: skip
-
-
-def _as_in(model: KnitModel, step: Step, name: str) -> Step:
-    return replace(step, option=replace(step.option, law=as_fitted(step.option.law, model[name])))
 
 
 def with_class(h: Hypothesis, law: Law, name: str, grid: Grid) -> Hypothesis:
@@ -142,6 +142,20 @@ def holds(before: Mapping[str, float], after: Mapping[str, float], floors: Mappi
     """
     factors = [after[c] / before[c] for c in floors]
     return over_the_floors(after, floors) < over_the_floors(before, floors) and float(np.prod(factors)) < 1.0
+
+
+def beyond_the_fit(law: Law, model: KnitModel, calibration: Measurement, held: Measurement) -> float:
+    """Share of the held-out samples at which what a law follows lies beyond all that it was fitted on.
+
+    That is z before its factors: what multiplies it does not say how far a state or a memory has gone.
+    """
+    pieces = tuple(takewhile(lambda one: one.kind != "factor", law.term.operators))
+    followed = replace(law.term, operators=pieces)
+    seen, new = (
+        followed.evaluated(OpenChain(model, m).readable(law.place), law.values, m.dt_s)[m.counts]
+        for m in (calibration, held)
+    )
+    return float(np.mean((new < seen.min()) | (new > seen.max())))
 
 
 def at_its_instrument(law: Law) -> Law:

@@ -25,14 +25,6 @@ IDLE = 1e-3  # share of a direction's variance that the base knows: below, it ta
 
 
 @dataclass(frozen=True)
-class Score:
-    """First-order gain in ln Z, and the strength at which it is reached."""
-
-    gain: float
-    strength: float
-
-
-@dataclass(frozen=True)
 class Part:
     """What a law at one place is scored on: the samples of the channels that it reaches, one channel after the other.
 
@@ -162,10 +154,10 @@ class Projector:
         gain[good] = part.gains(changes, explained[good], self.count)
         return gain - 0.5 * np.log(left * sd**2), amount
 
-    def of_law(self, law: Law) -> Score:
-        """Score of a law with the parameters that it has."""
-        gains, strengths = self.scores(law.place, self.z(law)[None])
-        return Score(float(gains[0]), float(strengths[0]))
+    def of_law(self, law: Law) -> tuple[float, float]:
+        """First-order gain in ln Z of a law with the parameters that it has, and the strength that reaches it."""
+        (gain,), (strength,) = self.scores(law.place, self.z(law)[None])
+        return float(gain), float(strength)
 
     def z(self, law: Law) -> FloatArray:
         """z of a law on the whole grid, shape (n,)."""

@@ -31,7 +31,10 @@ def proposal_text(proposed: Proposed) -> str:
         lines += [*_law(proposed, step, index), ""]
     if proposed.rejected:
         law = proposed.rejected.option.law
-        lines += [f"found, but it does not hold on the held-out recording: {in_words(law)}", ""]
+        lines += [
+            f"found, but it does not hold on the held-out recording, {_beyond(proposed.rejected)}: {in_words(law)}",
+            "",
+        ]
     lines.append(ladder_table(proposed.after))
     if proposed.notes:
         lines += ["", "what this recording could not judge:", *(f"  - {note}" for note in proposed.notes)]
@@ -61,24 +64,31 @@ def _law(proposed: Proposed, step: Step, index: int) -> Iterator[str]:
     yield f"    {plain(law.place.latex)} += a z,   z = {plain(law.term.latex)}"
     yield from (f"    {plain(line)}" for line in law.term.definitions)
     yield f"    LaTeX: {latex_of(law)}"
-    yield from _parameters(proposed, law, name)
-    option = step.option
+    option, fields = step.option, effect_class(law, name, proposed.grid).model_fields
+    for key, number in numbers(proposed, law, name).items():
+        yield f"    {key:<10} = {number} - {fields[key].description}"
     yield (
         f"    log evidence {option.log_evidence:+.1f} nats; it gains in {percent(option.holds)} of the resampled "
         f"recordings and is the best in {percent(option.chosen)}"
     )
-    for place, other in enumerate(step.alternatives[:SHOWN]):
-        is_tied = abs(other.log_evidence - option.log_evidence) < TIED_NATS
-        tied = "cannot be told from it" if is_tied else "less likely"
-        if place == 0:
-            yield "    instead of it:"
-        yield f"      {other.log_evidence:+8.1f} nats  {tied}: {in_words(other.law)}"
+    yield f"    judged on the held-out recording, {_beyond(step)}"
+    if step.alternatives:
+        yield "    instead of it:"
+    for other in step.alternatives[:SHOWN]:
+        yield f"      {other.log_evidence:+8.1f} nats  {_beside(other, option)}: {in_words(other.law)}"
 
 
-def _parameters(proposed: Proposed, law: Law, name: str) -> Iterator[str]:
-    effect = effect_class(law, name, proposed.grid)
-    for key, number in numbers(proposed, law, name).items():
-        yield f"    {key:<10} = {number} - {effect.model_fields[key].description}"
+def _beside(other: Option, option: Option) -> str:
+    """How likely another law is beside the one that was chosen."""
+    if abs(other.log_evidence - option.log_evidence) < TIED_NATS:
+        return "cannot be told from it"
+    if other.log_evidence < option.log_evidence:
+        return "less likely"
+    return f"more likely, but refused: it gains in {percent(other.holds)} of the resampled recordings"
+
+
+def _beyond(step: Step) -> str:
+    return f"{percent(step.beyond)} of which lies beyond what it was fitted on"
 
 
 def numbers(proposed: Proposed, law: Law, name: str) -> dict[str, str]:
@@ -121,9 +131,9 @@ def as_json(proposed: Proposed) -> dict[str, Any]:
     """JSON-ready form; the shape is documented in docs/propose.md."""
     return {
         "verdict": proposed.verdict,
-        "laws": [_option_json(s.option) | {"effect": numbered(proposed.name, k), "tied": s.tied,
+        "laws": [_step_json(s) | {"effect": numbered(proposed.name, k), "tied": s.tied,
                  "alternatives": [_option_json(a) for a in s.alternatives]} for k, s in enumerate(proposed.steps)],
-        "rejected": _option_json(proposed.rejected.option) if proposed.rejected else None,
+        "rejected": _step_json(proposed.rejected) if proposed.rejected else None,
         "not_judged": list(proposed.notes),
         "error_before": dict(proposed.error_before),
         "error_after": dict(proposed.error_after),
@@ -131,6 +141,10 @@ def as_json(proposed: Proposed) -> dict[str, Any]:
         "model_after": proposed.after.model.to_dict(),
         "history": [dict(step) for step in proposed.after.history],
     }  # fmt: skip
+
+
+def _step_json(step: Step) -> dict[str, Any]:
+    return _option_json(step.option) | {"held_out_beyond": step.beyond}
 
 
 def _option_json(option: Option) -> dict[str, Any]:

@@ -131,7 +131,7 @@ def class_text(law: Law, name: str, grid: Grid) -> str:
         reads=_tuple([name for name in reads if name != "temperature_C"]),
         writes=_tuple((place.writes,)),
         strength=strength_key(law),
-        look=_sentence(f"the misfit of {place.words.removeprefix('the ')} follows {term.words}")[:160].rstrip("."),
+        look=_sentence(f"the misfit of {place.words} follows {term.words}")[:160].rstrip("."),
         optional=optional,
         parameters="\n".join(_parameters(law, grid)),
         body=textwrap.indent("\n".join(_body(law)), 8 * " "),

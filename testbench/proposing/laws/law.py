@@ -14,7 +14,7 @@ import numpy as np
 from testbench.knit import filters, memories
 from testbench.knit.effect import FloatArray, Signals
 from testbench.proposing.laws.law_parts import Coordinate, Operator, Slot
-from testbench.proposing.laws.places import Place
+from testbench.proposing.laws.places import PLACES, Place
 from testbench.proposing.laws.units import PER_SECOND, SECOND, Unit
 
 MOST_PARAMETERS = 4
@@ -217,6 +217,13 @@ class Law:
     def unit(self) -> Unit:
         """The unit of the strength."""
         return self.place.unit / self.term.unit
+
+    def ways(self) -> list[Law]:
+        """The law, and what is the same to first order: a force changed by a share, where the law ends in that."""
+        *before, last = self.term.name.split(", ")
+        if (self.place.name, last) != ("force", "times force"):
+            return [self]
+        return [self, replace(self, place=PLACES["force by a share"], term=self.term.without(len(before) - 1))]
 
     def without(self, at: int) -> Law:
         """The law without its operator number `at`; its strength keeps its value, though the unit may change."""

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from testbench.proposing.laws.law_parts import DIRECTION, FORCE, LN_G, PRESSING, STRAIN, TIME, Operator, Slot, named
-from testbench.proposing.laws.units import NEWTON, ONE, SECOND, Unit
+from testbench.proposing.laws.units import NEWTON, ONE, SECOND
 
 _TAU = Slot("tau_s", r"\tau", "time of the memory")
 _RELAXES = (r"\tau\,\dot y = {x} - y",)
@@ -14,20 +15,12 @@ _EDGE = Slot("edge_x", "x_1", "threshold", "level")
 _BELL = Slot("bell", "b", "width of the bell", "size")
 
 
-def _memory(name: str, code: str, latex: str, words: str, *slots: Slot, **more: Any) -> Operator:
-    return Operator(name, code, latex, words, "memory", slots, **more)
+def _operator(kind: str, name: str, code: str, latex: str, words: str, *slots: Slot, **more: Any) -> Operator:
+    return Operator(name, code, latex, words, kind, slots, **more)
 
 
-def _bend(
-    name: str, code: str, latex: str, words: str, *slots: Slot, unit: Unit | None = ONE, **more: Any
-) -> Operator:
-    """What comes out of most bends is a plain number."""
-    return Operator(name, code, latex, words, "bend", slots, unit=unit, **more)
-
-
-def _factor(name: str, code: str, latex: str, words: str, *slots: Slot, **more: Any) -> Operator:
-    return Operator(name, code, latex, words, "factor", slots, **more)
-
+_memory, _factor = partial(_operator, "memory"), partial(_operator, "factor")
+_bend = partial(_operator, "bend", unit=ONE)  # what comes out of most is a plain number
 
 OPERATORS = named(
     _memory("lag", "lowpass(x, self.tau_s, dt_s)", "y", "the memory of {x}", _TAU, definitions=_RELAXES),

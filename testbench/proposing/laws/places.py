@@ -22,6 +22,8 @@ class Place:
         Of the change.
     channel : str
         The channel that the strength is scaled by: ``force`` or ``conductance``.
+    is_share : bool
+        Whether it changes a force by a share, as exp(a z): then no z, however large, turns the sign of the force.
     """
 
     name: str
@@ -32,11 +34,7 @@ class Place:
     latex: str
     unit: Unit
     channel: str
-
-    @property
-    def by_chain(self) -> bool:
-        """Whether what comes after passes the change on to other channels."""
-        return self.stage < Stage.CONTACT
+    is_share: bool = False
 
 
 _FORCE = ("force_N", "F + {a} * x", "F", NEWTON, "force")
@@ -48,6 +46,10 @@ PLACES = {
             "strain", "the strain that the knit sees", Stage.KINEMATICS, "strain", "e + {a} * x", "e", ONE, "force"
         ),
         Place("force", "the force of the knit", Stage.MECHANICS, *_FORCE),
+        Place(
+            "force by a share", "the logarithm of the force", Stage.MECHANICS,
+            "force_N", "shifted(F, {a} * x)", r"\ln F", ONE, "force", is_share=True,
+        ),
         Place(
             "contact force", "the force on the contacts", Stage.PRESSURE,
             "contact_force_N", "P + {a} * x", "P", NEWTON, "conductance",

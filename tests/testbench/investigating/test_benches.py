@@ -10,7 +10,7 @@ import pytest
 from gcode.programs.make import make
 from gcode.trajectories.designed import Hold, Triangle
 from gcode.trajectories.trajectory import Limits, TrajectorySpec
-from testbench.investigating.benches import Order, PtyBench, SimulatedBench, is_complete
+from testbench.investigating.benches import Order, PtyBench, SimulatedBench, status_of
 from testbench.recordings.files import read_recording
 from tests.testbench.investigating.samples import hidden
 
@@ -34,7 +34,7 @@ def microseconds(recording) -> np.ndarray:
 def test_over_the_pseudo_terminal_comes_what_the_rig_makes_at_once(order, tmp_path):
     at_once = SimulatedBench(hidden())
     PtyBench(at_once, speed=20).run(order, lambda status: None)
-    assert is_complete(order.folder)
+    assert status_of(order.folder) == "complete"
     recorded = read_recording(order.folder)
     direct = Order(order.program, tmp_path / "direct", 25.0, seed=3)
     at_once.run(direct, lambda status: None)

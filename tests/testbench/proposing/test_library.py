@@ -123,6 +123,21 @@ def test_the_file_does_what_the_search_has_tried(law: Law):
     assert np.allclose(written, expected, rtol=1e-4, atol=1e-5 * np.ptp(before))
 
 
+def test_what_a_force_is_multiplied_by_may_be_a_share_of_it_the_same_to_first_order():
+    amount, share = law_of("force", "strain", "lag", "times force", gain=1e-4).ways()
+    assert share.key == "force by a share: strain, lag"
+    changes = [
+        applied(effect_class(law, "my_law", GRID)(), SIGNALS, DT_S)["force_N"] - SIGNALS["force_N"]
+        for law in (amount, share)
+    ]
+    assert changes[1] == pytest.approx(changes[0], abs=1e-3 * np.ptp(changes[0]))
+    assert str(share.unit) == str(amount.unit) == "1"
+    softened = applied(effect_class(replace(share, strength=-1e3), "my_law", GRID)(), SIGNALS, DT_S)["force_N"]
+    assert np.all(softened * SIGNALS["force_N"] >= 0)  # however large z becomes
+    (only,) = law_of("force", "strain", "times force", "times strain").ways()
+    assert only.place.name == "force"
+
+
 def test_a_formula_is_written_for_readers_with_and_without_a_typesetter():
     law = law_of("conductance", "state that forms with time and is wiped out by motion")
     assert r"\dot n = \frac{1}{\tau_1}\,(1 - n) - \frac{|\dot e|}{l_2}\,n" in latex_of(law)

@@ -22,6 +22,9 @@ from testbench.proposing.hunt import Hunt
 from testbench.proposing.laws.law import Term
 from testbench.proposing.laws.law_coordinates import COORDINATES
 from testbench.proposing.laws.operators import OPERATORS
+from testbench.proposing.laws.places import PLACES
+from testbench.proposing.open_chain import OpenChain
+from testbench.proposing.proposal import beyond_the_fit
 from testbench.proposing.words import _safe, as_json, first_line, proposal_text, story
 from testbench.proposing.writing import effect_class, file_text
 from testbench.recordings.files import read_recording
@@ -29,6 +32,7 @@ from testbench.recordings.recording import Recording
 from testbench.report.figures.proposal_figures import _z
 from tests.testbench.asked_once import answered_once
 from tests.testbench.builders import CATALOGUE, record, truth, write_csv
+from tests.testbench.proposing.test_library import law_of
 
 STRIP = Path(__file__).resolve().parents[3] / "../shared/data/real/cb_silicone_strip"
 HEAL_S, REACH = 12.0, 0.5
@@ -94,7 +98,7 @@ def test_a_base_that_has_made_room_for_a_law_is_not_bent_again_without_it():
     roomy = hunt.projected(trial.hypothesis, without="my_effect")
     left = {null: np.std(hunt.measurement.residual(null.chain.model)["conductance"]) for null in (bent, roomy)}
     assert left[roomy] > 1.3 * left[bent]  # all of the law, not what a base leaves that bends to it
-    assert roomy.of_law(trial.law).strength == pytest.approx(trial.law.strength, rel=0.05)
+    assert roomy.of_law(trial.law)[1] == pytest.approx(trial.law.strength, rel=0.05)
     again = hunt.refitted(trial.law, roomy, "my_effect")  # starts where the first has ended
     assert again.log_z == pytest.approx(trial.log_z, abs=1.0)
 
@@ -115,6 +119,33 @@ def test_the_words_say_what_it_is_and_what_could_not_be_judged():
     assert text.startswith("proposed: the conductance rises with a state that forms with time and is wiped out")
     for part in ("n' = (1 / tau_1) (1 - n)", "LaTeX:", "+ my_effect", "no temperature was recorded"):
         assert part in text
+    (step,) = found().steps
+    better = replace(step.option, log_evidence=step.option.log_evidence + 20, holds=0.6)
+    text = proposal_text(replace(found(), steps=(replace(step, alternatives=(better,)),)))
+    assert "more likely, but refused: it gains in 60 % of the resampled recordings: the conductance" in text
+
+
+def test_how_far_the_held_out_recording_goes_beyond_the_fit_is_said():
+    calibration, held = split(*pair(hidden=False))
+    strain, there = calibration.signals["strain"], held.signals["strain"][held.counts]
+    low = replace(calibration, counts=calibration.counts & (strain < 0.5 * strain.max()))
+    seen = strain[low.counts]
+    beyond = beyond_the_fit(law_of("force", "strain", "times force"), truth(), low, held)
+    assert beyond == pytest.approx(np.mean((there > seen.max()) | (there < seen.min())))
+    assert beyond > 0.1
+    step = replace(found().steps[0], beyond=beyond)
+    text = proposal_text(replace(found(), steps=(step,)))
+    assert (
+        f"judged on the held-out recording, {100 * beyond:.0f} % of which lies beyond what it was fitted on" in text
+    )
+    assert as_json(replace(found(), rejected=step))["rejected"]["held_out_beyond"] == beyond
+
+
+def test_a_share_of_the_force_moves_the_channels_by_the_force_times_as_much():
+    chain = OpenChain(truth(), split(*pair(hidden=False))[0])
+    share, amount = (chain.slopes(PLACES[name]) for name in ("force by a share", "force"))
+    force_N = chain.readable(PLACES["force"])["force_N"]
+    assert {c: pytest.approx(slope * force_N) for c, slope in amount.items()} == share
 
 
 def test_the_command_writes_effect_picture_and_model_that_work(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,7 +13,7 @@ from testbench.proposing.beam import TOGETHER, Beam, Found, _condensed, changing
 from testbench.proposing.grids import DAMPINGS
 from testbench.proposing.hunt import FINALISTS, OF_ONE_FAMILY, OF_ONE_PLACE, _best_of_each
 from testbench.proposing.laws.grammar import fits
-from testbench.proposing.laws.law import Term, namespace
+from testbench.proposing.laws.law import MOST_PARAMETERS, Term, namespace
 from testbench.proposing.laws.law_coordinates import KINETICS
 from testbench.proposing.laws.operators import OPERATORS
 from testbench.proposing.laws.places import PLACES
@@ -87,33 +87,41 @@ def test_what_the_base_can_bend_to_is_tried_as_it_changes_with_time():
     assert changing(slip).name == "strain, slip, growing"
 
 
-def test_a_state_is_tried_times_what_it_may_act_on():
+def beam_of_the_force() -> Beam:
+    """A search for laws of the force alone."""
     beam = Beam.__new__(Beam)
-    beam.grid, beam.readable = GRID, {"force": {"strain", "force_N", "time_s"}}
+    beam.grid, beam.chain = GRID, SimpleNamespace(places=(PLACES["force"],))
+    signals = {name: SIGNALS[name] for name in ("strain", "force_N", "time_s")}
+    beam.readable, beam.names = {"force": set(signals)}, {"force": namespace(signals, DT_S)}
+    beam.known = ()
+    return beam
+
+
+def test_a_state_is_tried_times_what_it_may_act_on():
     law = law_of("force", "state that forms with time and is wiped out by motion")
-    beam.names = {"force": namespace(SIGNALS, DT_S)}
-    names = [term.name.split(", ")[1:] for _, term, _ in beam.multiplied(law.place, law.term, law.values)]
+    grown = beam_of_the_force().grown(law.place, law.term, law.values, ("factor",))
+    names = [term.name.split(", ")[1:] for _, term, _ in grown]
     assert ["times force"] in names
     assert ["times conductance"] not in names  # which does not lie before the force
     assert ["times friction"] in names  # a friction that comes and goes, however quickly it turns over
 
 
-def test_a_memory_is_tried_times_what_it_may_act_on():
-    beam = Beam.__new__(Beam)
-    beam.grid, beam.chain = GRID, SimpleNamespace(places=(PLACES["force"],))
-    signals = {name: SIGNALS[name] for name in ("strain", "force_N", "time_s")}
-    beam.readable, beam.names = {"force": set(signals)}, {"force": namespace(signals, DT_S)}
-    names = {term.name for _, term, _ in beam.seeds()}
-    assert "power, lag, times force" in names  # a knit that its own work warms and softens
-    assert "strain, lag, times strain" in names
+def test_a_memory_is_tried_times_what_it_may_act_on_and_nothing_with_more_than_four_numbers():
+    terms = {term.name: term for _, term, _ in beam_of_the_force().seeds()}
+    assert "power, lag, times force" in terms  # a knit that its own work warms and softens
+    assert "strain, lag, times strain" in terms
+    assert max(1 + len(term.slots) for term in terms.values()) == MOST_PARAMETERS
+
+
+def test_what_one_channel_follows_is_tried_in_another_with_its_numbers():
+    beam, law = beam_of_the_force(), law_of("conductance", "what gathers beyond a strain and goes near rest")
+    beam.known = [replace(law, values={"edge": 0.123, "rest": 0.045, "end_s": 6.7})]
+    assert (PLACES["force"], law.term, beam.known[0].values) in list(beam.seeds())
 
 
 def test_a_factor_may_come_twice_and_nothing_else():
     law = law_of("force", "strain", "lag", "square", "times strain")
-    beam = Beam.__new__(Beam)
-    beam.grid, beam.readable = GRID, {"force": {"strain", "force_N", "time_s"}}
-    beam.names = {"force": namespace(SIGNALS, DT_S)}
-    grown = {term.name for _, term, _ in beam.widened(law, law.term, None)}
+    grown = {term.name for _, term, _ in beam_of_the_force().children(law)}
     assert "strain, lag, square, times strain, times strain" in grown
     assert not any(name.count("square") > 1 or name.count("lag") > 1 for name in grown)
 
