@@ -27,7 +27,7 @@ COLUMNS = (
     ("temperature", ""),
 )
 UNITS = (
-    ("time", "s, ms, us, min, h, d, or date for dates and times"),
+    ("time", "s, ms, us, ns, min, h, d, or date for dates and times"),
     ("displacement", "mm, um, cm, m, in"),
     ("strain", "1, %%, ‰, µε"),
     ("force", "N, mN, uN, cN, daN, kN, gf, kgf, lbf, ozf"),

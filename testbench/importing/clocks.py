@@ -12,8 +12,12 @@ from testbench.importing.vocabulary.roles import words_of
 
 _TIME_WORDS = {"t", "time", "zeit", "timestamp", "s", "时间"}
 FAR = 10  # steps: more than a clock goes on by from one row to the next
-COUNTERS = {2.0**16: "2^16", 2.0**32: "2^32"}  # of ticks, as microcontrollers count ms and µs
 SUMMER_TIME_S = {3600.0: "1 h"}  # by which the time of day falls back in autumn
+
+
+def counters(unit_s: float) -> dict[float, str]:
+    """By what a counter of ticks may fall back, in units of `unit_s`: some programs write one of µs in ms or s."""
+    return {2.0**16: "2^16", 2.0**32: "2^32", 2.0**32 * 1e-6 / unit_s: "2^32 µs"}
 
 
 def onward(times: np.ndarray, periods: Mapping[float, str], rows: np.ndarray) -> tuple[np.ndarray, str]:

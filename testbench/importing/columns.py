@@ -10,7 +10,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.importing.choice import UNIT_FLAGS, Choice, Taken
-from testbench.importing.clocks import COUNTERS, SUMMER_TIME_S, on_one_clock, onward
+from testbench.importing.clocks import SUMMER_TIME_S, counters, on_one_clock, onward
 from testbench.importing.layout import Column, shortened
 from testbench.importing.sheet import Sheet
 from testbench.importing.trouble_words import unit_unknown
@@ -87,7 +87,7 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
             plain, wrong = _numbers(one, cells, sheet.decimal, thousands)
             read.words[role] = _in_words(one, plain)
             if role == "time":
-                plain = _onward(plain, COUNTERS, one.column, read)
+                plain = _onward(plain, counters(one.unit.factor), one.column, read)
             found = _each_converted(one, plain, frame, read) if one.units else one.unit.converted(plain)
             _note(read, one.column, cells, wrong, "a number", sheet.decimal)
         read.values[role] = found
@@ -217,7 +217,7 @@ def _own_clock(sheet: Sheet, choice: Choice, one: Taken, cells, thousands: str |
         )
     values, wrong = numbers(cells, sheet.decimal, thousands)
     _note(read, one.clock, cells, wrong, "a number", sheet.decimal)
-    values = _onward(values, COUNTERS, one.clock, read)
+    values = _onward(values, counters(unit.factor), one.clock, read)
     read.words[one.role] += (
         f"; its own times: {one.clock.label} in {unit.symbol}, brought to those of {main.column.label}"
     )

@@ -65,6 +65,8 @@ def _in_words(trouble: Trouble) -> str:
     if trouble.kind == "unit":
         allowed = ", ".join(symbols(ROLES[trouble.role])) + (", date" if trouble.role == "time" else "")
         said = f"{role} ({columns}): {unit_unknown(trouble.columns[0])}; say {UNIT_FLAGS[trouble.role]} ({allowed})"
+        if trouble.columns[0].unit_text and trouble.role != "time":
+            said += f", or {flag} none where it is none"
         if role == "resistance" and unit_of(trouble.columns[0].unit_text, ("ratio",)):
             number = trouble.columns[0].number
             said += f", or --relative-resistance {number} (R/R0) or --relative-change {number} ((R-R0)/R0)"

@@ -236,7 +236,10 @@ def open_text(path: Path, wanted: Sequence[str], hints: Hints) -> TextSheet:
             found = _layouts(lines, [hints.separator or BLANKS], wanted, hints) or found
     if not found:
         raise UserError(f"{path}: {_no_numbers(lines, wanted, hints)}")
-    separator, rows, layout = max(found, key=lambda one: _worth(one[1], one[2], wanted))
+    separator, rows, layout = best = max(found, key=lambda one: _worth(one[1], one[2], wanted))
+    if separator == "," and not hints.separator and not named:  # alone of the signs, it may stand within numbers
+        ways = [best, *_layouts(lines, [BLANKS], wanted, hints)]
+        separator, rows, layout = max(ways, key=lambda one: _worth(one[1], one[2], wanted)[:2])
     decimal = hints.decimal_said or _decimal(path, rows, layout, separator)
     details = {"separator": separator, "decimal": decimal, "encoding": encoding.removesuffix("-sig")}
     return TextSheet(path, rows, layout, decimal, separator, details, encoding, named)
@@ -300,7 +303,7 @@ def _at_blanks(line: str) -> list[str]:
     if is_data(cells):
         return cells
     for between in BETWEEN_NAMES:
-        if len(names := between.split(line.strip())) > 1:
+        if len(names := between.split(line.strip())) > 1 and not is_data(names):
             return names
     names = AFTER_A_UNIT.split(line.strip())
     return names if all(name.endswith((")", "]")) for name in names) else cells
@@ -330,7 +333,7 @@ def _worth(rows: Sequence[Sequence[str]], layout: Layout, wanted: Sequence[str])
     meanings = sum(bool(column.heading.roles) for column in layout.columns)
     data = [row for row in rows[layout.first_row - 1 :] if len(row) > 1 and is_data(row)]
     cells = [cell for row in data for cell in row if cell.strip()]
-    pure = count_numbers(cells) / max(1, len(cells))
+    pure = count_numbers([cell for cell in cells if not cell.endswith(",")]) / max(1, len(cells))
     return all(name in have for name in wanted), round(len(data) * pure, 1), meanings, len(layout.columns)
 
 

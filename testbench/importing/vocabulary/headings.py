@@ -123,7 +123,9 @@ def _parted(plain: str) -> tuple[str, str]:
     if bracket and bracket[1].strip():
         inside, behind = (part.strip() for part in bracket.groups()[1:] if part is not None)
         if bracket[1].rstrip().endswith("/"):
-            return plain, f"/{inside}"  # [mm]/[mm], the lower half of a unit
+            name, above = _parted(bracket[1].rstrip("/ \t\n"))
+            # Kraft / [N]; but in [mm]/[mm], it is the lower half of a unit.
+            return (name, inside) if units_spelt(inside) and not (above or behind) else (plain, f"/{inside}")
         if behind:  # Time (s) Run #1; but of two units, none can be told
             whole, end = _tail(f"{bracket[1]} {behind}")
             return (whole, f"{inside} {end}".strip()) if units_spelt(inside) else _tail(plain)

@@ -53,6 +53,7 @@ _TABLE: dict[str, tuple[tuple[str, float, float, str, str], ...]] = {
         ("s", 1.0, 0.0, "", "s sec secs second seconds sek sekunde sekunden с сек 秒 초"),
         ("ms", 1e-3, 0.0, "ms MS msec", "millis millisecond milliseconds millisekunde millisekunden мс 毫秒 ミリ秒"),
         ("µs", 1e-6, 0.0, "µs us usec", "micros microsecond microseconds mikrosekunde mikrosekunden 微秒"),
+        ("ns", 1e-9, 0.0, "ns", "nanos nanosecond nanoseconds nanosekunde nanosekunden"),
         ("min", 60.0, 0.0, "", "min mins minute minutes minuten mm:ss m:ss мин 分 分钟 분"),
         ("h", 3600.0, 0.0, "h hr hrs", "hour hours stunde stunden hh:mm h:mm ч 小时"),
         ("d", 86_400.0, 0.0, "d", "days tage jours 天"),

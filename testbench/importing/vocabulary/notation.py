@@ -37,9 +37,11 @@ _DATE = re.compile(
     r"([T ,]+\d{1,2}:\d{2}(:\d{2}(\.\d+)?)?)?"
     r"( ?[AP]M| ?Z| ?[+-]\d{2}:?\d{2})?$"
 )
-# 10:15:30.5, with AM or PM behind it, or days before it as pandas writes them; or minutes and seconds, 15:30.5
+# 10:15:30.5, with AM or PM behind it, or days before it as pandas and .NET write them; or minutes and
+# seconds, 15:30.5
 _CLOCK = re.compile(
-    r"^(?:(?:(\d+) days? )?(\d{1,3}):([0-5]\d):([0-5]\d(?:\.\d+)?)(?: ?([AaPp])\.?[Mm]\.?)?|(\d{1,3}):(\d{2}\.\d+))$"
+    r"^(?:(?:(\d+)(?: days? |\.))?(\d{1,3}):([0-5]\d):([0-5]\d(?:\.\d+)?)(?: ?([AaPp])\.?[Mm]\.?)?"
+    r"|(\d{1,3}):(\d{2}\.\d+))$"
 )
 # 12:01: hours and minutes, or minutes and seconds; before AM or PM, it can be but the former.
 _SHORT_CLOCK = re.compile(r"^(\d{1,3}:\d{2})$")

@@ -121,6 +121,13 @@ def test_a_counter_that_begins_anew_goes_on(tmp_path, bits, first):
     assert f"column 1 'Time [ms]' falls back by 2^{bits} in row 13, and was taken to go on" in done.notes
 
 
+def test_a_counter_of_microseconds_begins_anew_in_milliseconds_too(tmp_path):
+    times = [(2**32 - 1_005_000 + 100_000 * n) % 2**32 / 1e3 for n in range(40)]
+    done = import_csv(counted(tmp_path, times), Wish(40.0))
+    assert done.recording.time_s == pytest.approx(0.1 * np.arange(40))
+    assert "column 1 'Time [ms]' falls back by 2^32 µs in row 13, and was taken to go on" in done.notes
+
+
 @pytest.mark.parametrize("sort", [False, True])
 def test_another_test_is_no_counter_that_begins_anew(tmp_path, sort):
     times = [60_000 + 100 * n for n in range(40)] + [5000 + 100 * n for n in range(40)]

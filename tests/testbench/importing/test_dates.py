@@ -112,7 +112,9 @@ def test_the_time_of_day_goes_on_where_it_is_set_back_in_autumn(tmp_path):
     assert time_of(table(tmp_path, "Time", times)) == list(range(40))
 
 
-@pytest.mark.parametrize("form", ["{:02d}-Mar-2026 {:02d}:59:{:02d}.5", "{} days {:02d}:59:{:02d}.500000"])
-def test_dates_and_durations_as_matlab_and_pandas_write_them(tmp_path, form):
+@pytest.mark.parametrize(
+    "form", ["{:02d}-Mar-2026 {:02d}:59:{:02d}.5", "{} days {:02d}:59:{:02d}.500000", "{}.{:02d}:59:{:02d}.5"]
+)
+def test_dates_and_durations_as_matlab_pandas_and_net_write_them(tmp_path, form):
     times = [form.format(1, 22, 59), form.format(1, 23, 0), form.format(2, 0, 0)]
     assert time_of(table(tmp_path, "Time", times)) == [0, 3541, 7141]

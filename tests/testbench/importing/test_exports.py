@@ -199,7 +199,7 @@ def test_a_strain_of_something_else_says_nothing_of_the_gauge_length(tmp_path):
 REFUSED = [
     ("Time [s],Extension [mm],Position [mm]\n", "both fit displacement: say which, e.g. --displacement 3"),
     ("Time [s],Extension,Load [N]\n", "the file does not say its unit; say --displacement-unit"),
-    ("Time [s],Extension [mm],Load [mV]\n", "its unit 'mV' cannot be read as one; say --force-unit"),
+    ("Time [s],Extension [mm],Load [mV]\n", "its unit .mV. cannot be read as one; .*, or --force none"),
     ("Time [s],Extension [mm],Load (kN)\ns,mm,N\n", r"its unit 'kN \| N' cannot be read as one"),
     ("Time [s],Extension [mm],Load, cell 2 [N]\n", "row 1 has 4 names, the rows of numbers below it 3 columns"),
     ("Time [s],Extension [mm]\n", "row 1 has 2 names, the rows of numbers below it 3 columns"),

@@ -20,8 +20,9 @@ from testbench.importing.vocabulary.roles import ROLES
 
 EVERY = tuple(dict.fromkeys(quantity for quantities in ROLES.values() for quantity in quantities))
 ONES = [
-    ("ms", "time", 1e-3), ("min", "time", 60), ("Sek", "time", 1), ("µm", "length", 1e-3), ("μm", "length", 1e-3),
-    ("m", "length", 1e3), ("mN", "force", 1e-3), ("kN", "force", 1e3), ("g", "force", 9.80665e-3),
+    ("ms", "time", 1e-3), ("ns", "time", 1e-9), ("min", "time", 60), ("Sek", "time", 1), ("µm", "length", 1e-3),
+    ("μm", "length", 1e-3), ("m", "length", 1e3),
+    ("mN", "force", 1e-3), ("kN", "force", 1e3), ("g", "force", 9.80665e-3),
     ("kgf", "force", 9.80665), ("kΩ", "resistance", 1e3), ("kΩ", "resistance", 1e3), ("KOHM", "resistance", 1e3),
     ("MΩ", "resistance", 1e6), ("mOhm", "resistance", 1e-3), ("MOhm", "resistance", 1e6), ("mS", "conductance", 1e-3),
     ("uS", "conductance", 1e-6), ("%", "ratio", 0.01), ("mm/mm", "ratio", 1), ("[N]", "force", 1),
@@ -66,6 +67,8 @@ def test_a_unit_that_a_person_names_is_held_to_the_quantity():
 HEADINGS = [
     ("Kraft [N]", {"force"}, "N"),
     ("Weg / mm", {"displacement"}, "mm"),
+    ("Kraft / [N]", {"force"}, "N"),
+    ("R/(kOhm)", {"resistance"}, "kOhm"),
     ("\u200edL/µm\ufeff", {"displacement"}, "µm"),
     ("force.N", {"force"}, "N"),
     ("R.kOhm", {"resistance"}, "kOhm"),

@@ -85,8 +85,22 @@ def test_a_clock_that_is_a_cell_is_no_stamp(tmp_path, clock, separator):
 
 def test_blanks_may_part_clocks_and_decimal_commas(tmp_path):
     cells = [[str(cell).replace(".", ",") for cell in cells] for cells in (X, F)]
-    rows = _rows("10:00:0{}.{}00 {} {}", *np.divmod(np.arange(COUNT), 10), *cells)
-    _check(tmp_path / "lab.txt", ["Time x_mm F_N", *rows])
+    for point in ".,":
+        rows = _rows(f"10:00:0{{}}{point}{{}}00 {{}} {{}}", *np.divmod(np.arange(COUNT), 10), *cells)
+        _check(tmp_path / "lab.txt", ["Time x_mm F_N", *rows])
+
+
+def test_words_may_stand_between_clocks_and_numbers_that_blanks_part(tmp_path):
+    """Of a program's log, the comma of the clock was taken for what parts the cells."""
+    rows = _rows("2026-03-01 10:00:0{},{}00 INFO {} {}", *np.divmod(np.arange(COUNT), 10), X, F)
+    columns, units = {"displacement": "4", "force": "5"}, {"displacement": "mm", "force": "N"}
+    _check(tmp_path / "lab.txt", rows, Wish(40.0, columns, units))
+
+
+@pytest.mark.parametrize("remark", ["knit 1", "2026-03-01 10:00:00"])
+def test_blanks_within_cells_part_none_where_commas_do(tmp_path, remark):
+    rows = _rows(f"{{}}, {remark}, {{}}, {{}}", range(COUNT), X, F)
+    _check(tmp_path / "lab.txt", ["t [ds], Remark, x_mm, F_N", *rows], Wish(40.0, {"time": "none"}, rate_hz=10.0))
 
 
 @pytest.mark.parametrize("separator", [",", ";", "\t", " "])
