@@ -195,7 +195,7 @@ def _by_symbol(role: str, base: str) -> int:
     letter, index = _letter_and_index(base)
     if letter not in _SYMBOLS[role]:
         return 0
-    return 0 if role == "resistance" and index.casefold() in _NOT_MEASURED else SYMBOL
+    return 0 if role == "resistance" and index.casefold().partition("_")[0] in _NOT_MEASURED else SYMBOL
 
 
 def is_letter(base: str) -> bool:
