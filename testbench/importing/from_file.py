@@ -126,12 +126,9 @@ def _at_rate(sheet: Sheet, read: Read, rate_hz: float) -> np.ndarray:
 def _parts(sheet: Sheet, choice: Choice, wish: Wish, read: Read, time_s: np.ndarray) -> list[tuple[str, np.ndarray]]:
     """The repeats that a column numbers, where the time starts again with each; else the whole."""
     whole = [("", np.arange(len(time_s)))]
-    restarts = bool((np.diff(time_s) < 0).any())
-    counters = [column for column in choice.unused if counts_repeats(column.heading.base)]
-    if not counters or (wish.repeat is None and (wish.sort or not restarts)):
-        if wish.repeat is not None:
-            raise UserError(f"{sheet.path}: no column numbers repeats; leave --repeat out")
+    if wish.repeat is None and (wish.sort or not (np.diff(time_s) < 0).any()):
         return whole
+    counters = [column for column in choice.unused if counts_repeats(column.heading.base)]
     for column in counters:
         frame = sheet.body([column.number])
         labels = labels_in(frame[column.number], sheet.decimal)
@@ -141,9 +138,10 @@ def _parts(sheet: Sheet, choice: Choice, wish: Wish, read: Read, time_s: np.ndar
         chosen = [part for part in parts if part[0] == str(wish.repeat)]
         if chosen:
             return chosen
-    if wish.repeat is not None:
-        raise UserError(f"{sheet.path}: no repeat {wish.repeat} with a time of its own")
-    return whole
+    if wish.repeat is None:
+        return whole
+    none = f"no repeat {wish.repeat} with a time of its own" if counters else "no column numbers repeats"
+    raise UserError(f"{sheet.path}: {none}; leave --repeat out")
 
 
 def _recorded(

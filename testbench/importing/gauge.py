@@ -8,6 +8,7 @@ from testbench.importing.choice import Choice
 from testbench.importing.columns import Read
 from testbench.importing.sheet import Sheet
 from testbench.importing.vocabulary.notation import numbers
+from testbench.recordings.doubts import correlation
 
 APART = 0.02  # relative; a gauge length is measured with a ruler
 ALIKE = 0.999  # correlation of the two; below it, the strain is that of something else
@@ -41,8 +42,7 @@ def gauge_doubts(sheet: Sheet, choice: Choice, read: Read, gauge_length_mm: floa
 def _slope(strain: np.ndarray, moved_mm: np.ndarray) -> float:
     """Millimetres for a unit of strain; 0 where the two do not move together."""
     good = np.isfinite(strain) & np.isfinite(moved_mm)
-    if good.sum() < 3 or np.ptp(strain[good]) == 0 or np.ptp(moved_mm[good]) == 0:
+    strain, moved_mm = strain[good], moved_mm[good]
+    if len(strain) < 3 or correlation(strain, moved_mm) <= ALIKE:
         return 0.0
-    covariance = np.cov(strain[good], moved_mm[good])
-    alike = covariance[0, 1] / np.sqrt(covariance[0, 0] * covariance[1, 1])
-    return float(covariance[0, 1] / covariance[0, 0]) if alike > ALIKE else 0.0
+    return float(np.polyfit(strain, moved_mm, 1)[0])

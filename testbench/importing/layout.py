@@ -90,7 +90,7 @@ def find_layout(
     """
     named = header_row or row_with(rows, wanted)
     known = max(named or 0, units_row or 0)
-    start = _first_numbers(rows, known) if known else _longest_run(rows)
+    start = next((at for at in range(known, len(rows)) if is_data(rows[at])), None) if known else _longest_run(rows)
     if start is None:
         return None
     width = width_of(rows[start])
@@ -169,10 +169,6 @@ def _numbers_of(rows: Rows, start: int) -> list[Sequence[str]]:
 def _usual_width(body: Rows) -> int:
     """How wide most rows of numbers are; a wider one among them is two that ran together, or has a cell too many."""
     return mode(map(width_of, body))
-
-
-def _first_numbers(rows: Rows, after: int) -> int | None:
-    return next((place for place in range(after, len(rows)) if is_data(rows[place])), None)
 
 
 def _longest_run(rows: Rows) -> int | None:

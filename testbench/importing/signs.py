@@ -13,7 +13,7 @@ from testbench.importing.vocabulary.laboratory_units import Unit, conversion, un
 from testbench.importing.vocabulary.roles import STRETCH
 from testbench.importing.wish import Wish
 from testbench.recordings.channels import DISPLACEMENT, FORCE
-from testbench.recordings.doubts import AGAINST
+from testbench.recordings.doubts import AGAINST, correlation
 
 SIGNED = ("displacement", "strain", "force")
 TURNED = (*SIGNED, "resistance", "conductance")  # these two are negative where leads are the other way round
@@ -102,7 +102,7 @@ def doubts(channels: Mapping[str, np.ndarray], negated: frozenset[str]) -> list[
 def _doubts_of_both(moved_mm: np.ndarray, force_N: np.ndarray, negated: frozenset[str]) -> list[str]:
     """What only displacement and force together show: that they run against each other, or both backwards."""
     backwards, slackens = _leans_back(moved_mm), _leans_back(force_N)
-    related = _correlation(moved_mm, force_N)
+    related = correlation(moved_mm, force_N)
     if related < AGAINST:
         return [
             f"force rises as the displacement falls (correlation {related:.2f}): one of them runs the wrong way; "
@@ -130,9 +130,3 @@ def _turn_both(negated: frozenset[str]) -> str:
 def _leans_back(values: np.ndarray) -> bool:
     """Whether a signal goes further below its first sample than above it."""
     return bool(values[0] - values.min() > 2 * (values.max() - values[0]))
-
-
-def _correlation(one: np.ndarray, other: np.ndarray) -> float:
-    if np.ptp(one) == 0 or np.ptp(other) == 0:
-        return 0.0
-    return float(np.corrcoef(one, other)[0, 1])

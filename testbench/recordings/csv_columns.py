@@ -142,14 +142,9 @@ def _has_line_breaks(frame: pd.DataFrame) -> bool:
 
 
 def _has_numbers(cells: Sequence[str]) -> bool:
-    return sum(not np.isnan(_as_float(cell)) for cell in cells) > 1
+    import pandas as pd
 
-
-def _as_float(cell: object) -> float:
-    try:
-        return float(cell)  # type: ignore[arg-type]
-    except (ValueError, TypeError, OverflowError):
-        return np.nan
+    return bool(as_numbers(pd.Series(cells, dtype=object)).notna().sum() > 1)
 
 
 def in_words(error: Exception, header_row: int = 1) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
+from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE
 from testbench.recordings.recording import Recording
@@ -145,12 +146,14 @@ def say_if_same(held_out: Recording, recording: Recording) -> None:
         )
 
 
+def correlation(one: FloatArray, other: FloatArray) -> float:
+    """Pearson's, of two arrays of shape (n,); 0 where one of them is constant."""
+    return 0.0 if np.ptp(one) == 0 or np.ptp(other) == 0 else float(np.corrcoef(one, other)[0, 1])
+
+
 def say_sign(recording: Recording) -> None:
     """Warn where the force falls as the sensor is stretched: no law of a knit does that."""
-    if not recording.has(FORCE) or np.ptp(recording[FORCE]) == 0 or np.ptp(recording.strain) == 0:
-        return
-    related = float(np.corrcoef(recording.strain, recording[FORCE])[0, 1])
-    if related < AGAINST:
+    if recording.has(FORCE) and (related := correlation(recording.strain, recording[FORCE])) < AGAINST:
         say_once(
             f"{recording.source}: force falls as the displacement rises (correlation {related:.2f}): does one of "
             f"them run the wrong way? `testbench import --negate {_below_zero(recording)}` turns it"

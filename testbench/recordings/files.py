@@ -19,14 +19,12 @@ from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPE
 from testbench.recordings.checks import check, known_length, row_of_file
 from testbench.recordings.csv_columns import MOST_BYTES, columns_of, listed, read_frame
 from testbench.recordings.doubts import say_once
+from testbench.recordings.manifest import CSV, NAME, Campaign, is_campaign, read_manifest, resource_problems
 from testbench.recordings.recording import Recording
-from testbench.recordings.stored import EVENTS, StoredEvent
+from testbench.recordings.stored import EVENTS, Resource, StoredEvent
 
 if TYPE_CHECKING:
     import pandas as pd
-
-    from testbench.recordings.manifest import Campaign
-    from testbench.recordings.stored import Resource
 
 ORDER = (TIME, DISPLACEMENT, FORCE, RESISTANCE)
 DECIMALS = 6, 5  # µs, nm, µN; digits that are kept of the largest value
@@ -56,20 +54,13 @@ def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Re
         return _load_campaign(path, gauge_length_mm)
     if not path.exists():
         raise UserError(f"{path}: no such recording; give a CSV or a campaign folder")
-    if _is_of_a_campaign(path):
+    if path.name == CSV and is_campaign(path.parent):  # its manifest knows the gauge length and what else was said
         return _load_campaign(path.parent, gauge_length_mm)
     check_beside(path)
     frame = read_frame(path)
     if gauge_length_mm is None and DISPLACEMENT in frame:
         raise UserError(f"{path}: a bare CSV does not know its gauge length; give `gauge_length_mm`")
     return _recording(path, frame, known_length(gauge_length_mm, str(path)))
-
-
-def _is_of_a_campaign(path: Path) -> bool:
-    """Whether this is the CSV of a campaign, whose manifest knows the gauge length and what else was said."""
-    from testbench.recordings.manifest import CSV, is_campaign
-
-    return path.name == CSV and is_campaign(path.parent)
 
 
 def _load_campaign(folder: Path, gauge_length_mm: float | None) -> Recording:
@@ -115,8 +106,6 @@ def verified(folder: Path) -> tuple[Path, Campaign]:
     UserError
         If it is not the file that the manifest describes. One that is still growing is not verified, which is said.
     """
-    from testbench.recordings.manifest import CSV, read_manifest
-
     campaign, resources = read_manifest(folder)
     path = folder / CSV
     if not campaign.in_progress:
@@ -136,8 +125,6 @@ def check_beside(path: Path) -> None:
     UserError
         If either was changed.
     """
-    from testbench.recordings.manifest import is_campaign, read_manifest
-
     if not is_campaign(path.parent):
         return
     campaign, resources = read_manifest(path.parent)
@@ -149,8 +136,6 @@ def check_beside(path: Path) -> None:
 
 def _verify(folder: Path, path: Path, resources: Sequence[Resource]) -> None:
     """Refuse a recording that is not the one that the manifest describes."""
-    from testbench.recordings.manifest import NAME, resource_problems
-
     ours = [resource for resource in resources if resource.path == path.name]
     found = [] if ours else [f"{folder / NAME}: does not list {path.name}"]
     for resource in ours:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 MOST_WORDS = 200  # of what npTDMS objects to
+Channel = tuple[str, str, np.ndarray]  # name, unit, values
 Clock = tuple[float, float, np.datetime64 | None, int]  # step and offset in s, start, samples
 _UNIT_PROPERTIES = ("unit_string", "NI_UnitDescription", "Unit", "unit")
 
@@ -43,22 +45,19 @@ def open_tdms(path: Path, hints: Hints) -> TdmsSheet:
     UserError
         If it is no TDMS file, holds no numbers, or has several groups and none was named.
     """
-    names, units, columns = _channels(path, hints.sheet)
-    if not columns:
-        raise UserError(f"{path}: no channel of it holds numbers")
-    shown = [[_cell(column, row) for column in columns] for row in range(HEAD_ROWS)]
-    head = [names, units, *(row for row in shown if any(row))]
+    channels = _channels(path, hints.sheet)
+    shown = zip_longest(
+        *([name, unit, *map(str, values[:HEAD_ROWS])] for name, unit, values in channels), fillvalue=""
+    )
+    head = [list(row) for row in shown]
     layout = find_layout(head, (), 1, 2)
     if layout is None:
         raise UserError(f"{path}: no channel of it holds numbers")
+    columns = [values for _, _, values in channels]
     return TdmsSheet(path, head, layout, ".", "\t", {"group": hints.sheet or ""}, columns)
 
 
-def _cell(column: np.ndarray, row: int) -> str:
-    return str(column[row]) if row < len(column) else ""
-
-
-def _channels(path: Path, group: str | None) -> tuple[list[str], list[str], list[np.ndarray]]:
+def _channels(path: Path, group: str | None) -> list[Channel]:
     # What npTDMS remarks about a broken file is bytes of that file.
     logging.getLogger("nptdms").setLevel(logging.CRITICAL)
     try:
@@ -70,7 +69,7 @@ def _channels(path: Path, group: str | None) -> tuple[list[str], list[str], list
         raise UserError(f"{path}: not a TDMS file that can be read ({reason})") from None
 
 
-def _read(path: Path, group: str | None) -> tuple[list[str], list[str], list[np.ndarray]]:
+def _read(path: Path, group: str | None) -> list[Channel]:
     import nptdms
 
     file = nptdms.TdmsFile.read(path)
@@ -85,10 +84,8 @@ def _read(path: Path, group: str | None) -> tuple[list[str], list[str], list[np.
     return _side_by_side([channel for channel in groups[0].channels() if len(channel)])
 
 
-def _side_by_side(channels: Sequence[Any]) -> tuple[list[str], list[str], list[np.ndarray]]:
-    names: list[str] = []
-    units: list[str] = []
-    columns: list[np.ndarray] = []
+def _side_by_side(channels: Sequence[Any]) -> list[Channel]:
+    found: list[Channel] = []
     last_clock: Clock | None = None
     starts = [start for start in (_start(channel) for channel in channels) if start is not None]
     for channel in channels:
@@ -97,14 +94,10 @@ def _side_by_side(channels: Sequence[Any]) -> tuple[list[str], list[str], list[n
             continue
         clock = _clock(channel)
         if clock is not None and clock != last_clock:
-            names.append("Time")
-            units.append("s")
-            columns.append(_times_s(clock, min(starts, default=None)))
+            found.append(("Time", "s", _times_s(clock, min(starts, default=None))))
             last_clock = clock
-        names.append(channel.name)
-        units.append(_unit(channel))
-        columns.append(values)
-    return names, units, columns
+        found.append((channel.name, _unit(channel), values))
+    return found
 
 
 def _unit(channel: Any) -> str:

@@ -329,12 +329,12 @@ def _has_numbers(cells: Sequence[str]) -> bool:
 def _worth(rows: Sequence[Sequence[str]], layout: Layout, wanted: Sequence[str]) -> tuple[float, ...]:
     """What a separator makes of the file: all wanted names, rows of numbers (the purer, the more), names, columns."""
     header = rows[layout.header_row - 1] if layout.header_row else []
-    have = {cell.strip() for cell in header} | {column.heading.base for column in layout.columns}
     meanings = sum(bool(column.heading.roles) for column in layout.columns)
     data = [row for row in rows[layout.first_row - 1 :] if len(row) > 1 and is_data(row)]
     cells = [cell for row in data for cell in row if cell.strip()]
     pure = count_numbers([cell for cell in cells if not cell.endswith(",")]) / max(1, len(cells))
-    return all(name in have for name in wanted), round(len(data) * pure, 1), meanings, len(layout.columns)
+    has_wanted = not wanted or row_with([header], wanted) is not None
+    return has_wanted, round(len(data) * pure, 1), meanings, len(layout.columns)
 
 
 def _decimal(path: Path, rows: Sequence[Sequence[str]], layout: Layout, separator: str) -> str:

@@ -176,12 +176,8 @@ def number_in_words(value: float) -> str:
     if value and not 1e-4 <= abs(value) < 1e12:
         return f"{value:.6g}"
     digits = max(0, 9 - max(0, len(str(int(abs(value))))))
-    whole, _, part = f"{value:.{digits}f}".partition(".")
-    part = part.rstrip("0")
-    sign, whole = ("-", whole[1:]) if whole.startswith("-") else ("", whole)
-    grouped = f"{int(whole):,}".replace(",", " ")
-    text = f"{grouped}.{part}" if part else grouped
-    return text if text == "0" else sign + text
+    text = f"{value:z,.{digits}f}".replace(",", " ")
+    return text.rstrip("0").rstrip(".") if "." in text else text
 
 
 def conversion(value: float, unit: Unit) -> str:

@@ -210,11 +210,11 @@ def _plain_whens(cells: pd.Series) -> pd.Series:
 
     Of one zone for all, nothing need be known: only the time between the cells counts.
     """
-    text = _texts(cells).str.replace(_BEFORE_HALF, WHOLE_CLOCKS["h"], regex=True)
+    text = _texts(cells)
     zones = text.str.extract(_ZONE.pattern)[0]
     if zones[text.notna()].nunique(dropna=False) > 1:
         text = text.mask(zones.notna(), "?")
-    return text.str.replace(_BEFORE_PARTS, r"\1.", regex=True).str.replace(_ZONE, "", regex=True)
+    return text.map(_plain_when, na_action="ignore").astype("string")
 
 
 def whole_clocks(cells: pd.Series, first: str) -> pd.Series:

@@ -22,7 +22,9 @@ def table(folder, *names):
 
 @pytest.mark.parametrize("rest", ["R0", "R_0", "R_o", "R_ref", "R ref", "R_init", "R_rest", "R_series"])
 def test_the_resistance_at_rest_is_not_the_one_that_is_measured(tmp_path, rest):
-    assert not import_csv(table(tmp_path, f"{rest.replace(' ', '_')}_ohm"), Wish(40.0)).recording.has("resistance_ohm")
+    assert not import_csv(table(tmp_path, f"{rest.replace(' ', '_')}_ohm"), Wish(40.0)).recording.has(
+        "resistance_ohm"
+    )
     path = table(tmp_path, f"{rest} (Ohm)", "dR/R0 (%)")
     with pytest.raises(UserError, match=r"relative change .*needs the resistance at rest R0"):
         import_csv(path, Wish(40.0))
