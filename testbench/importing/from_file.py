@@ -6,6 +6,7 @@ Step by step: how the file is written (`sheet`, `layout`), which column is what 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +14,10 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from gcode.support.files import sha256_of
+from gcode.support.strict import check_plain
 from testbench.importing.choice import ELECTRICAL, FLAGS, NAMED, Choice
 from testbench.importing.choosing import choose
 from testbench.importing.columns import Read, on_main_clock, read_columns
-from testbench.importing.files.opening import open_sheet
-from testbench.importing.gauge import gauge_doubts
 from testbench.importing.imported import Imported
 from testbench.importing.layout import Column, misfit
 from testbench.importing.rows import (
@@ -30,8 +30,8 @@ from testbench.importing.rows import (
     usable,
     zero_set_anew,
 )
-from testbench.importing.sheet import Sheet
-from testbench.importing.signs import doubts, turned, zeroed
+from testbench.importing.sheet import Hints, Sheet
+from testbench.importing.signs import doubts, gauge_doubts, turned, zeroed
 from testbench.importing.tables_above import left_out, passed_over
 from testbench.importing.trouble_words import idle_words, in_words
 from testbench.importing.vocabulary.laboratory_units import units_spelt
@@ -39,9 +39,11 @@ from testbench.importing.vocabulary.roles import STRETCH, counts_repeats, speaks
 from testbench.importing.wish import Wish
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
 from testbench.recordings.checks import check, known_length
+from testbench.recordings.csv_columns import MOST_BYTES
 from testbench.recordings.doubts import slow
 from testbench.recordings.recording import Recording
 
+WORKBOOKS = (".xlsx", ".xlsm")
 MANY_TIMES = 6.0  # R0; a change of 5 % that was read as 5. Cracked films do go further, so it is only said
 
 # Channels, what their columns are measured in, and the roles that give one.
@@ -60,7 +62,7 @@ def look(path: Path, wish: Wish) -> tuple[Sheet, Choice]:
     UserError
         If the file cannot be read, or a column or unit that `wish` names is not there.
     """
-    sheet = open_sheet(path, wish.names(), wish.hints)
+    sheet = _opened(path, wish.names(), wish.hints)
     if shifted := misfit(sheet.head, sheet.layout, whole_names=sheet.separator == "\t"):
         raise UserError(
             f"{path}: {shifted}: which name belongs to which column cannot be told; mend the file, or say "
@@ -74,6 +76,35 @@ def look(path: Path, wish: Wish) -> tuple[Sheet, Choice]:
         raise UserError(f"{path}: {error}") from None
     choice.notes += passed_over(sheet.head, sheet.layout)
     return sheet, choice
+
+
+def _opened(path: Path, wanted: Sequence[str], hints: Hints) -> Sheet:
+    """Read the top of a file and find its layout: Excel and TDMS by the ending of its name, anything else as text.
+
+    Raises
+    ------
+    UserError
+        If it cannot be read, or has no numbers.
+    """
+    kind = path.suffix.lower()
+    if kind == ".xls":
+        raise UserError(f"{path}: the old Excel format; open it in Excel or LibreOffice and save it as .xlsx")
+    check_plain(path, "table", MOST_BYTES)
+    if hints.sheet and kind not in (*WORKBOOKS, ".tdms"):
+        raise UserError(
+            f"`sheet` is of a workbook or a TDMS file, which this is not; leave it out, got {hints.sheet!r}"
+        )
+    if kind in WORKBOOKS:
+        from testbench.importing.files.excel_file import open_excel
+
+        return open_excel(path, wanted, hints)
+    if kind == ".tdms":
+        from testbench.importing.files.tdms_file import open_tdms
+
+        return open_tdms(path, hints)
+    from testbench.importing.files.text_file import open_text
+
+    return open_text(path, wanted, hints)
 
 
 def import_file(path: Path, wish: Wish) -> list[Imported]:

@@ -1,4 +1,4 @@
-"""Zero and sign of displacement and force: set on request, and said where they look wrong."""
+"""Zero, sign and gauge length: zero and sign are set on request, and all are said where they look wrong."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.importing.choice import Choice
+from testbench.importing.columns import Read
+from testbench.importing.sheet import Sheet
 from testbench.importing.vocabulary.laboratory_units import Unit, conversion, unit_of
+from testbench.importing.vocabulary.notation import numbers
 from testbench.importing.vocabulary.roles import STRETCH
 from testbench.importing.wish import Wish
 from testbench.recordings.channels import DISPLACEMENT, FORCE
@@ -18,6 +21,8 @@ from testbench.recordings.doubts import AGAINST, correlation
 SIGNED = ("displacement", "strain", "force")
 TURNED = (*SIGNED, "resistance", "conductance")  # these two are negative where leads are the other way round
 FEW = 100_000  # samples that are enough for a correlation
+APART = 0.02  # relative; a gauge length is measured with a ruler
+ALIKE = 0.999  # correlation of the two; below it, the strain is that of something else
 _VALUE = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\s\d.]\S*)?\s*$")
 
 
@@ -130,3 +135,37 @@ def _turn_both(negated: frozenset[str]) -> str:
 def _leans_back(values: np.ndarray) -> bool:
     """Whether a signal goes further below its first sample than above it."""
     return bool(values[0] - values.min() > 2 * (values.max() - values[0]))
+
+
+def gauge_doubts(sheet: Sheet, choice: Choice, read: Read, gauge_length_mm: float | None) -> list[str]:
+    """What speaks against the gauge length, a sentence for each column of strain that is of another one.
+
+    A strain without a unit may be a ratio or %.
+    """
+    if "displacement" not in choice.taken or not gauge_length_mm:
+        return []
+    doubts = []
+    moved_mm = read.values["displacement"]
+    for column in choice.unused:
+        if "strain" not in dict(column.heading.roles):
+            continue
+        values, _ = numbers(sheet.body([column.number])[column.number], sheet.decimal)
+        unit = column.heading.unit(column.unit_text)
+        factors = [unit.factor] if unit and unit.quantity == "ratio" else [1.0, 0.01]
+        length_mm = _slope(values[read.rows - sheet.layout.first_row], moved_mm)
+        lengths_mm = [length_mm / factor for factor in factors]
+        if length_mm and min(abs(one / gauge_length_mm - 1) for one in lengths_mm) > APART:
+            said = " or ".join(f"{one:.4g} mm" for one in lengths_mm)
+            doubts.append(
+                f"{column.label} is that of a gauge length of {said}, and --gauge-length-mm says {gauge_length_mm:g}"
+            )
+    return doubts
+
+
+def _slope(strain: np.ndarray, moved_mm: np.ndarray) -> float:
+    """Millimetres for a unit of strain; 0 where the two do not move together."""
+    good = np.isfinite(strain) & np.isfinite(moved_mm)
+    strain, moved_mm = strain[good], moved_mm[good]
+    if len(strain) < 3 or correlation(strain, moved_mm) <= ALIKE:
+        return 0.0
+    return float(np.polyfit(strain, moved_mm, 1)[0])

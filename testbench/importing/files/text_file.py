@@ -33,8 +33,7 @@ from testbench.importing.layout import (
 )
 from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
 from testbench.importing.vocabulary.notation import decimal_sign
-from testbench.recordings.csv_columns import MOST_COLUMNS, in_words
-from testbench.recordings.quoted import check_quotes
+from testbench.recordings.csv_columns import MOST_COLUMNS, check_quotes, in_words
 
 if TYPE_CHECKING:
     import pandas as pd
