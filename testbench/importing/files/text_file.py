@@ -237,8 +237,8 @@ def open_text(path: Path, wanted: Sequence[str], hints: Hints) -> TextSheet:
         raise UserError(f"{path}: {_no_numbers(lines, wanted, hints)}")
     separator, rows, layout = best = max(found, key=lambda one: _worth(one[1], one[2], wanted))
     if separator == "," and not hints.separator and not named:  # alone of the signs, it may stand within numbers
-        ways = [best, *_layouts(lines, [BLANKS], wanted, hints)]
-        separator, rows, layout = max(ways, key=lambda one: _worth(one[1], one[2], wanted)[:2])
+        ways = [one for one in _layouts(lines, [BLANKS], wanted, hints) if _commas_are_of_numbers(one[1], one[2])]
+        separator, rows, layout = max([best, *ways], key=lambda one: _worth(one[1], one[2], wanted)[:2])
     decimal = hints.decimal_said or _decimal(path, rows, layout, separator)
     details = {"separator": separator, "decimal": decimal, "encoding": encoding.removesuffix("-sig")}
     return TextSheet(path, rows, layout, decimal, separator, details, encoding, named)
@@ -331,9 +331,15 @@ def _worth(rows: Sequence[Sequence[str]], layout: Layout, wanted: Sequence[str])
     meanings = sum(bool(column.heading.roles) for column in layout.columns)
     data = [row for row in rows[layout.first_row - 1 :] if len(row) > 1 and is_data(row)]
     cells = [cell for row in data for cell in row if cell.strip()]
-    pure = count_numbers([cell for cell in cells if not cell.endswith(",")]) / max(1, len(cells))
+    pure = count_numbers(cells) / max(1, len(cells))
     has_wanted = not wanted or row_with([header], wanted) is not None
     return has_wanted, round(len(data) * pure, 1), meanings, len(layout.columns)
+
+
+def _commas_are_of_numbers(rows: Sequence[Sequence[str]], layout: Layout) -> bool:
+    """Whether every comma in the rows of numbers stands within a number, or a clock."""
+    cells = [cell for row in rows[layout.first_row - 1 :] if is_data(row) for cell in row if "," in cell]
+    return count_numbers([cell for cell in cells if not cell.endswith(",")]) == len(cells)
 
 
 def _decimal(path: Path, rows: Sequence[Sequence[str]], layout: Layout, separator: str) -> str:

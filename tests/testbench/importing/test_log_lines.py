@@ -97,7 +97,7 @@ def test_words_may_stand_between_clocks_and_numbers_that_blanks_part(tmp_path):
     _check(tmp_path / "lab.txt", rows, Wish(40.0, columns, units))
 
 
-@pytest.mark.parametrize("remark", ["knit 1", "2026-03-01 10:00:00"])
+@pytest.mark.parametrize("remark", ["knit 1", "2026-03-01 10:00:00", "1 2 3 4 5 6"])
 def test_blanks_within_cells_part_none_where_commas_do(tmp_path, remark):
     rows = _rows(f"{{}}, {remark}, {{}}, {{}}", range(COUNT), X, F)
     _check(tmp_path / "lab.txt", ["t [ds], Remark, x_mm, F_N", *rows], Wish(40.0, {"time": "none"}, rate_hz=10.0))
