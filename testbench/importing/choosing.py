@@ -278,7 +278,9 @@ def _short(given: str | None, column: Column, days: Mapping[int, int]) -> str:
 
 def _unit_in_file(role: str, column: Column) -> Unit | None:
     """The unit that the file says, if it is one of the role's (for a displacement, % as well)."""
-    if role.startswith("relative") and not column.unit_text and _is_plainly_one(role, column):
+    # A formula (dR/R0) or R/R0 in words can be nothing but 1; a "change of the resistance" may as well be in %.
+    is_one = column.heading.says_ratio or role not in column.heading.roles or role == "relative"
+    if role.startswith("relative") and not column.unit_text and is_one:
         return next(unit for unit in units_spelt("1") if unit.quantity == "ratio")
     quantities = ("length", "ratio") if role == "displacement" else ROLES[role]
     if role.startswith("relative") and column.heading.says_ratio:
@@ -286,8 +288,3 @@ def _unit_in_file(role: str, column: Column) -> Unit | None:
     text = column.unit_text or unit_behind(column.heading.whole, quantities)
     fitting = [unit for unit in units_spelt(text) if unit.quantity in quantities]
     return fitting[0] if len(fitting) == 1 else None
-
-
-def _is_plainly_one(role: str, column: Column) -> bool:
-    """Whether a ratio without a unit can be nothing but one: a "change of the resistance" may as well be in %."""
-    return column.heading.says_ratio or role not in column.heading.roles or role == "relative"

@@ -67,20 +67,14 @@ class Imported:
         """JSON-ready form: repeat, samples, duration, rate, ranges of the channels, and all that was done."""
         recording = self.recording
         ranges = {name: [float(values.min()), float(values.max())] for name, values in recording.channels.items()}
+        told = ("taken", "doubts", "notes", "dropped", "moved", "repeated", "details")
         return {
             "repeat": self.label,
             "samples": len(recording),
             "duration_s": recording.duration_s,
             "mean_rate_hz": recording.mean_rate_hz,
             "channels": ranges,
-            "taken": self.taken,
-            "doubts": self.doubts,
-            "notes": self.notes,
-            "dropped": self.dropped,
-            "moved": self.moved,
-            "repeated": self.repeated,
-            "details": self.details,
-        }
+        } | {name: getattr(self, name) for name in told}
 
 
 def place_of(out: Path, label: str) -> Path:

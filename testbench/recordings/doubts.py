@@ -29,12 +29,15 @@ def check_gap(recording: Recording) -> None:
     UserError
         If no grid that fits into the memory could show the motion on both sides of the gap.
     """
-    gap = longest_gap(recording)
-    if gap is None:
+    steps_s = np.diff(recording.time_s)
+    row = int(np.argmax(steps_s))
+    length_s = float(steps_s[row])
+    beside = steps_s[max(row - 1, 0) : row + 2]
+    others = beside[beside < length_s]
+    if len(others) == 0 or length_s < ABRUPT * others.max():  # as where sampling is slowed down
         return
-    start_s, length_s = gap
     rest_s = recording.duration_s - length_s
-    what = f"{recording.source}: nothing was recorded for {length_s:.4g} s after {start_s:.4g} s"
+    what = f"{recording.source}: nothing was recorded for {length_s:.4g} s after {recording.time_s[row]:.4g} s"
     if rest_s < LEAST_RECORDED * recording.duration_s:
         raise UserError(
             f"{what}, beside {rest_s:.4g} s that were: too long a gap for one model run over it; cut the recording "
@@ -42,17 +45,6 @@ def check_gap(recording: Recording) -> None:
         )
     if length_s > rest_s:
         say_once(f"{what}; a model is compared with a straight line there: better cut the recording there")
-
-
-def longest_gap(recording: Recording) -> tuple[float, float] | None:
-    """Last time before the longest step and its length, in s; None if it is not much longer than its neighbours."""
-    steps_s = np.diff(recording.time_s)
-    row = int(np.argmax(steps_s))
-    beside = steps_s[max(row - 1, 0) : row + 2]
-    others = beside[beside < steps_s[row]]
-    if len(others) == 0 or steps_s[row] < ABRUPT * others.max():
-        return None
-    return float(recording.time_s[row]), float(steps_s[row])
 
 
 def check_grid(

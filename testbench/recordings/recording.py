@@ -247,12 +247,8 @@ class Recording(Unchanging):
 
     def segments(self) -> list[Recording]:
         """The parts between gaps, of two samples or more each; time is kept as it was."""
-        edges = [-np.inf, *(end_s for _, end_s in self.gaps), np.inf]
-        parts = [(start_s, end_s) for start_s, end_s in pairwise(edges) if self._count(start_s, end_s) > 1]
-        return [self.between(start_s, end_s) for start_s, end_s in parts]
-
-    def _count(self, start_s: float, end_s: float) -> int:
-        return int(np.searchsorted(self.time_s, end_s) - np.searchsorted(self.time_s, start_s))
+        edges = [0, *np.searchsorted(self.time_s, [end_s for _, end_s in self.gaps]), len(self)]
+        return [self._rows(slice(begin, end)) for begin, end in pairwise(edges) if end - begin > 1]
 
     def resampled(self, rate_hz: float) -> Recording:
         """Linear interpolation on a uniform grid at `rate_hz`, starting at the first sample.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import codecs
 import re
+from contextlib import suppress
 
 from gcode.support.errors import UserError
 from testbench.importing.vocabulary.roles import accented_words_in
@@ -31,14 +32,15 @@ def encoding_of(raw: bytes) -> str | None:
         if max(even, odd) < 0.3 * len(raw) or min(even, odd) > 0.05 * len(raw):
             return None
         return "utf-16-le" if odd > even else "utf-16-be"
-    if _decodes(raw, "utf-8-sig"):
+    if _decoded(raw, "utf-8-sig") is not None:
         return "utf-8-sig"
-    names = {name: _names_in(raw, name) for name in _BY_NAMES}
+    texts = {name: text for name in _BY_NAMES if (text := _decoded(raw, name)) is not None}
+    names = {name: _names_in(text) for name, text in texts.items()}
     if any(names.values()):
         return max(names, key=lambda name: names[name])
-    if _IN_PAIRS.fullmatch(raw) and _decodes(raw, "gb18030"):
+    if _IN_PAIRS.fullmatch(raw) and "gb18030" in texts:
         return "gb18030"
-    return "cp1252" if _decodes(raw, "cp1252") else "latin-1"
+    return "cp1252" if "cp1252" in texts else "latin-1"
 
 
 def is_text(raw: bytes) -> bool:
@@ -47,16 +49,13 @@ def is_text(raw: bytes) -> bool:
     return 2 * sum(bool(_NO_TEXT.search(line)) for line in lines) < len(lines)
 
 
-def _decodes(raw: bytes, encoding: str) -> bool:
-    try:
-        raw.decode(encoding)
-    except UnicodeDecodeError:
-        return False
-    return True
+def _decoded(raw: bytes, encoding: str) -> str | None:
+    with suppress(UnicodeDecodeError):
+        return raw.decode(encoding)
+    return None
 
 
-def _names_in(raw: bytes, encoding: str) -> int:
-    text = raw.decode(encoding) if _decodes(raw, encoding) else ""
+def _names_in(text: str) -> int:
     return len(accented_words_in("\n".join([line for line in text.splitlines() if not line.isascii()][:MOST_LINES])))
 
 

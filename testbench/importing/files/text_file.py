@@ -268,14 +268,14 @@ def _layouts(
 
 def _head(path: Path, encoding: str | None) -> tuple[str, list[str]]:
     raw = next(blocks_of(path, "table"), b"")
-    if not raw.strip():
-        raise UserError(f"{path}: the file is empty")
     # A block may end within a character: whole lines only.
     whole = raw if len(raw) == path.stat().st_size else raw[: raw.rfind(b"\n") + 1] or raw
     encoding = known_encoding(encoding) if encoding else encoding_of(whole)
     if encoding is None:
         raise UserError(f"{path}: not a text file; export it as CSV, Excel (.xlsx) or TDMS first")
     text = whole.decode(encoding, errors="replace")
+    if not text.strip():
+        raise UserError(f"{path}: the file is empty")
     if not encoding.startswith("utf-16") and not is_text(whole):
         raise UserError(f"{path}: not a text file in {encoding}; leave --encoding out, or export it again")
     return encoding, text.replace("\r\n", "\n").replace("\r", "\n").split("\n")[:HEAD_ROWS]
@@ -361,7 +361,7 @@ def _no_numbers(lines: Sequence[str], wanted: Sequence[str], hints: Hints) -> st
     named = [row_with(_split(lines, separator), wanted) for separator in SEPARATORS]
     if below := next(filter(None, named), hints.header_row):
         return f"there is nothing below the header in row {below}"
-    filled = [line.strip() for line in lines if line.strip()]
+    filled = [line.strip() for line in lines if line.strip()] or [""]
     return (
         f"no rows of numbers in its first {len(lines)} lines, where cells hold nothing but a number each: a row is "
         f"{shortened(filled[len(filled) // 2])!r}; words and brackets in the cells are to be "

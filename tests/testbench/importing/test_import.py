@@ -135,6 +135,8 @@ def test_dates_and_times_become_seconds(tmp_path):
 BAD = [
     ("", "the file is empty"),
     ("   \n\n", "the file is empty"),
+    ("\ufeff", "the file is empty"),
+    ("\n" * 250 + "t,x,F,R\n0,0,0,1\n", "a table that begins further below is found"),
     ("t,x,F,R\n", "nothing below the header in row 1"),
     ("t,x,F,R\n0,0,0,1\n", "needs at least 2"),
     (GOOD.replace("F", "force"), r"no column 'F'; row 1 has: t, x, force, R"),
