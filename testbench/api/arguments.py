@@ -86,7 +86,7 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
         raise UserError("read: a table does not know its gauge length; give gauge_length_mm")
     say_of_temperature("read", columns)
     time_s = columns.pop(TIME)
-    source = f"columns-{_digest(time_s, *columns.values())}"
+    source = f"columns-{digest(time_s, columns)}"
     return Recording(time_s, columns, known_length(gauge_length_mm, source), source)
 
 
@@ -135,8 +135,9 @@ def _is_remark(name: str, values: Any) -> bool:
     return column.ndim == 1 and column.dtype.kind in "OUT" and is_remark(name, pd.Series(column.astype(object)))
 
 
-def _digest(*arrays: FloatArray) -> str:
+def digest(time_s: FloatArray, channels: Mapping[str, FloatArray]) -> str:
     """Eight hexadecimal digits that tell recordings in memory apart: a model knows by name what it was fitted on."""
+    arrays = time_s, *channels.values()
     return f"{reduce(lambda sum_, values: crc32(values.tobytes(), sum_), arrays, 0):08x}"
 
 

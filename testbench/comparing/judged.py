@@ -17,7 +17,7 @@ from testbench.comparing.clamping import Zero, may_be_clamped_anew, moved, zero_
 from testbench.comparing.model_errors import channel_name, noise_floors
 from testbench.comparing.remounting import remounted
 from testbench.knit.model import KnitModel
-from testbench.measurements.joining import last_of, of_several
+from testbench.measurements.joining import last_of
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.preparing import prepare
 from testbench.measurements.responses import UNIT_OF
@@ -121,7 +121,7 @@ def judged(
 
 def _taken_for_fresh(file: ModelFile, recording: Recording) -> str:
     """What to say where a held-out recording is judged without what its specimen had gone through; else empty."""
-    if file.between.rest_s is None and not of_several(file.fitted_on):
+    if file.between.rest_s is None and not file.of_several:
         return ""
     return (
         f"{recording.source}: judged as of a fresh specimen; it is of that of {file.fitted_on}, not there to say "
@@ -165,7 +165,7 @@ def check_judged_on(held: Measurement, step: Mapping[str, Any]) -> None:
 
 def held_samples(file: ModelFile, recording: Recording, held_out: Recording | None) -> Measurement:
     """Held-out samples as the last step of a ladder judged them: of `held_out`, or the last third of `recording`."""
-    if held_out and of_several(file.fitted_on):
+    if held_out and file.of_several:
         say_once(_taken_for_fresh(file, held_out))
     rested = Between(rest_s=file.between.rest_s if held_out else None)
     held, zero = split(recording, held_out, between=rested)[1], kept_zero(file)

@@ -85,13 +85,14 @@ def ladder_step(step: str, model: KnitModel, calibration: Measurement, held: Mea
     """One entry of the history: the model, its errors on both recordings, and the noise floor.
 
     Where the sensor was clamped anew for the held-out recording, also the `Zero` that was found there; where that is
-    of the same specimen, the rest before it.
+    of the same specimen, the rest before it; where it was fitted on several recordings in a row, how many.
     """
     sensor = without_zeros(model)
     zero = zero_of(sensor, held) if held.clamp_play_mm else None
     if zero is not None:
         held = moved(held, zero.shift_mm)
-    rested = held.rest_s is not None and not calibration.begins_s
+    recordings = 1 + len(calibration.begins_s)
+    rested = held.rest_s is not None and recordings == 1
     return {
         "step": step,
         "model": sensor.to_dict(),
@@ -99,6 +100,7 @@ def ladder_step(step: str, model: KnitModel, calibration: Measurement, held: Mea
         "noise_floor": noise_floors(held),
         **({} if zero is None else {"zero": asdict(zero)}),
         **({"rest_s": held.rest_s} if rested else {}),
+        **({} if recordings == 1 else {"recordings": recordings}),
     }
 
 

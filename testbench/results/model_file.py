@@ -73,6 +73,7 @@ class Step(ExtraKept):
     noise_floor: dict[Label, Annotated[float, Field(ge=0)]]
     zero: _Zero | None = None
     rest_s: Annotated[float, Field(gt=0, lt=MOST_REST_S)] | None = None
+    recordings: Annotated[int, Field(ge=1)] = 1  # in a row, that it was fitted on
     fit: Summary | None = None  # of a step that is not the last
 
     @model_validator(mode="after")
@@ -124,6 +125,11 @@ class ModelFile(Unchanging):
         last = self.history[-1] if self.history else {}
         zero = last.get("zero")
         return Between(float(zero["play_mm"]) if zero else 0.0, last.get("rest_s"))
+
+    @property
+    def of_several(self) -> bool:
+        """Whether its last step was fitted on several recordings in a row."""
+        return bool(self.history) and self.history[-1].get("recordings", 1) > 1
 
     def save(self, path: str | Path) -> None:
         """Write atomically."""
