@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 
 from gcode.programs.api import generate
 from gcode.programs.make import Made
-from testbench.api.arguments import AnyModel, Effects, digest
+from testbench.api.arguments import AnyModel, Effects
 from testbench.api.bench.running import planned
 from testbench.campaigns.campaign import simulate_campaign
 from testbench.knit.catalogue import baseline
@@ -101,4 +101,4 @@ def example(*effects: Effect, seed: int = 1, duration_s: float = EXAMPLE_S) -> R
 
 def _named(recording: Recording, name: str) -> Recording:
     """A recording under a name that one of another sensor does not have."""
-    return replace(recording, source=f"{name} ({digest(recording.time_s, recording.channels)})")
+    return replace(recording, source=f"{name} ({recording.digest})")

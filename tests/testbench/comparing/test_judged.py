@@ -125,6 +125,8 @@ def test_recordings_in_memory_are_told_apart_by_their_content() -> None:
     first, again = tb.read(columns, gauge_length_mm=25), tb.read(dict(columns), gauge_length_mm=25)
     assert first.source == again.source
     assert first.source != tb.read(columns | {"force_N": [0, 2, 2]}, gauge_length_mm=25).source
+    time_s, channels = columns["time_s"], {name: columns[name] for name in ("displacement_mm", "force_N")}
+    assert Recording(time_s, channels, 25).source == first.source, "whoever made it"
 
 
 def test_one_program_on_two_sensors_makes_two_recordings_of_two_names() -> None:
