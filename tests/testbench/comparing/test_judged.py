@@ -13,7 +13,7 @@ import testbench as tb
 from gcode.support.errors import UserError
 from testbench.cli import main
 from testbench.comparing.clamping import moved
-from testbench.comparing.judged import held_samples, judged
+from testbench.comparing.judged import check_judged_on, held_samples, judged
 from testbench.comparing.ladder import as_a_step, on_the_ladder
 from testbench.comparing.remounting import held_errors
 from testbench.fitting.fit import fit
@@ -161,3 +161,14 @@ def test_what_several_recordings_were_before_is_missed_aloud(own, anew, caplog) 
     assert judged(file, own).doubt == ""
     held_samples(file, own, anew)
     assert words in caplog.text
+
+
+def test_other_samples_of_the_same_noise_are_told_by_the_error_of_the_model(own) -> None:
+    """One recording in forty has the noise floor of another in its only channel."""
+    held, ramp_N = prepare(own), 0.3 * own.time_s / own.time_s[-1]
+    other = prepare(replace(own, channels={**own.channels, "force_N": own["force_N"] + ramp_N}))
+    step = as_a_step(truth(), {}, None, "baseline", held, held).history[-1]
+    check_judged_on(held, step, truth())
+    with pytest.raises(UserError, match="judged on other samples: their error is force"):
+        check_judged_on(other, step, truth())
+    check_judged_on(other, {**step, "recordings": 2}, truth())
