@@ -45,12 +45,13 @@ class NamedModel(BaseModel):
     def __init__(self, *unnamed: Any, **fields: Any) -> None:
         """Raise `UserError` where a field is unknown, unnamed or missing, or has a value that it cannot have."""
         only_by_name(type(self), "fields", unnamed)
+        name = self.model_config.get("title") or type(self).__name__
         try:
             super().__init__(**fields)
         except ValidationError as error:
-            raise UserError(f"{type(self).__name__}: {first_problem(error)}") from None
+            raise UserError(f"{name}: {first_problem(error)}") from None
         for where, came in _made_up("", fields, self):
-            raise UserError(f"{type(self).__name__}: {where}: must be a number, got {came!r}")
+            raise UserError(f"{name}: {where}: must be a number, got {came!r}")
 
     # As pydantic marks its own: what is validated as a part of something else is not made by a call of `__init__`, so
     # that the error says where in the whole it is.

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from functools import reduce
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
-from zlib import crc32
 
 import numpy as np
 
-from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from gcode.support.kinds import path_of
 from testbench.knit.catalogue import Catalogue, load_catalogue
@@ -86,8 +83,7 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
         raise UserError("read: a table does not know its gauge length; give gauge_length_mm")
     say_of_temperature("read", columns)
     time_s = columns.pop(TIME)
-    source = f"columns-{_digest(time_s, *columns.values())}"
-    return Recording(time_s, columns, known_length(gauge_length_mm, source), source)
+    return Recording(time_s, columns, known_length(gauge_length_mm, "read"))
 
 
 def _columns_in(source: Any) -> list[tuple[Any, Any]]:
@@ -135,11 +131,6 @@ def _is_remark(name: str, values: Any) -> bool:
     return column.ndim == 1 and column.dtype.kind in "OUT" and is_remark(name, pd.Series(column.astype(object)))
 
 
-def _digest(*arrays: FloatArray) -> str:
-    """Eight hexadecimal digits that tell recordings in memory apart: a model knows by name what it was fitted on."""
-    return f"{reduce(lambda sum_, values: crc32(values.tobytes(), sum_), arrays, 0):08x}"
-
-
 def as_recording(source: Source, gauge_length_mm: float | None, usual_mm: float | None = None) -> Recording:
     """A recording, read where a path was given.
 
@@ -158,9 +149,10 @@ def as_recording(source: Source, gauge_length_mm: float | None, usual_mm: float 
         left out in silence.
     """
     if not isinstance(source, Recording | str | Path):
+        given = hasattr(source, "recording") and "give its `recording`"
         raise UserError(
             f"recording: must be a Recording, a CSV or a campaign folder, got {type(source).__name__}; "
-            "testbench.read makes a Recording of a data frame"
+            f"{given or 'testbench.read makes a Recording of a data frame'}"
         )
     if not isinstance(source, Recording):
         return read_recording(source, usual_mm if gauge_length_mm is None else gauge_length_mm)

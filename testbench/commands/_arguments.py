@@ -10,6 +10,14 @@ from gcode.support.console import given, whole
 natural, count = whole(0), whole(1)  # argparse types
 
 
+SHARED = ("effects", "gauge_length_mm", "clamp_play_mm", "rest_s", "after", "seed")
+
+
+def shared(args: argparse.Namespace) -> dict[str, Any]:
+    """What was said of the options that many commands have, as the public functions take it."""
+    return given(args, [name for name in SHARED if name in args])
+
+
 def add_recording(parser: argparse.ArgumentParser) -> None:
     """RECORDING, --held-out and --gauge-length-mm."""
     parser.add_argument("recording", metavar="RECORDING", help="a CSV, or a campaign folder")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from testbench.commands._arguments import add_clamp_play, add_effects, positive
+from testbench.commands._arguments import add_clamp_play, add_effects, positive, shared
 from testbench.commands._output import show, show_notes
 
 SUMMARY = "show a model over a measurement and say where it fails"
@@ -23,13 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     from testbench.api.models.comparing import compare
 
-    found = compare(
-        args.recording,
-        args.model,
-        effects=args.effects,
-        gauge_length_mm=args.gauge_length_mm,
-        clamp_play_mm=args.clamp_play_mm,
-    )
+    found = compare(args.recording, args.model, **shared(args))
     show_notes(found)
     show(found, "-" if args.json else None)
     return 0

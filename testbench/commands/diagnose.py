@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from testbench.api.progress import Telling, clear_line
-from testbench.commands._arguments import add_clamp_play, add_effects, add_held_out, add_rest, count
+from testbench.commands._arguments import add_clamp_play, add_effects, add_held_out, add_rest, count, shared
 from testbench.commands._output import show
 
 SUMMARY = "say which physical effect the model is missing, with the evidence"
@@ -41,17 +41,7 @@ def run(args: argparse.Namespace) -> int:
     check_place(args.json)
     check_place(args.output)
     tell = False if args.quiet else Refits(min(args.repeat, USUAL_ROUNDS))
-    found = diagnose(
-        args.recording,
-        args.held_out,
-        model=args.model,
-        effects=args.effects,
-        most=args.repeat,
-        gauge_length_mm=args.gauge_length_mm,
-        clamp_play_mm=args.clamp_play_mm,
-        rest_s=args.rest_s,
-        progress=tell,
-    )
+    found = diagnose(args.recording, args.held_out, model=args.model, most=args.repeat, progress=tell, **shared(args))
     if tell:
         clear_line()
     if args.output:

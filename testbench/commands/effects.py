@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from testbench.commands._arguments import add_effects
@@ -43,7 +44,11 @@ def run(args: argparse.Namespace) -> int:
         return 0
     print(card.card_text(catalogue[args.name], catalogue))
     if args.plot is not None:
-        _plot(catalogue, args.name, args.plot or f"{args.name}.png")
+        from testbench.knit.showcase import draw
+
+        output = args.plot or f"{args.name}.png"
+        draw(catalogue[args.name], Path(output))
+        print(f"\npicture    {output}")
     return 0
 
 
@@ -66,22 +71,11 @@ def _check(args: argparse.Namespace) -> None:
 
 
 def _new(name: str, output: str) -> int:
-    from pathlib import Path
-
     from testbench.knit.template import write_template
 
     write_template(name, Path(output))
     print(f"wrote {output}; edit it, then: testbench effects --effects {output} --check")
     return 0
-
-
-def _plot(catalogue: Catalogue, name: str, output: str) -> None:
-    from pathlib import Path
-
-    from testbench.knit.showcase import draw
-
-    draw(catalogue[name], Path(output))
-    print(f"\npicture    {output}")
 
 
 def _rules(catalogue: Catalogue, name: str | None) -> int:

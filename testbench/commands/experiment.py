@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from testbench.commands._arguments import add_bounds, add_effects, add_held_out, bounds_of
+from testbench.commands._arguments import add_bounds, add_effects, add_held_out, bounds_of, shared
 from testbench.commands._output import show
 
 SUMMARY = "propose the next trajectory: the one that separates two rival models best"
@@ -50,11 +50,9 @@ def run(args: argparse.Namespace) -> int:
         args.fit if args.diagnosis else None,
         args.held_out if args.diagnosis else None,
         bounds={**bounds_of(args), "duration_s": args.duration_s},
-        seed=args.seed,
         temperature=args.temperature,
-        effects=args.effects,
-        gauge_length_mm=args.gauge_length_mm,
         progress=tell,
+        **shared(args),
     )
     tell("")
     written = found.program.write(args.output) if args.output else []

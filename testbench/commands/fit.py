@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from testbench.commands._arguments import add_clamp_play, add_effects, add_recording, add_rest
+from testbench.commands._arguments import add_clamp_play, add_effects, add_recording, add_rest, shared
 from testbench.commands._output import show_notes
 
 SUMMARY = "calibrate the baseline (or a given model) on a recording; write model.json"
@@ -28,15 +28,7 @@ def run(args: argparse.Namespace) -> int:
     from testbench.api.models.fitting import fit
 
     check_place(args.output)
-    found = fit(
-        args.recording,
-        args.held_out,
-        model=args.model,
-        effects=args.effects,
-        gauge_length_mm=args.gauge_length_mm,
-        clamp_play_mm=args.clamp_play_mm,
-        rest_s=args.rest_s,
-    )
+    found = fit(args.recording, args.held_out, model=args.model, **shared(args))
     show_notes(found)
     found.save(args.output)
     print(found)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 
+from gcode.support.console import given
+
 SUMMARY = "make two recordings of a sensor with an effect hidden in it, the truth sealed apart"
 EXAMPLE = "testbench hide --effect stress_relaxation --strength 5 --seed 3 -o case"
 
@@ -57,16 +59,6 @@ def run(args: argparse.Namespace) -> None:
     from testbench.api.files.hiding import hide
     from testbench.recordings.channels import FORCE, RESISTANCE
 
-    case = hide(
-        args.effect,
-        args.output,
-        strength=args.strength,
-        seed=args.seed,
-        world=args.world,
-        minutes=args.minutes,
-        rate_hz=args.rate_hz,
-        noise=args.noise,
-        protocol=args.protocol,
-        channels=(FORCE,) if args.force_only else (FORCE, RESISTANCE),
-    )
-    print(case)
+    channels = (FORCE,) if args.force_only else (FORCE, RESISTANCE)
+    asked = given(args, ("strength", "seed", "world", "minutes", "rate_hz", "noise", "protocol"))
+    print(hide(args.effect, args.output, channels=channels, **asked))

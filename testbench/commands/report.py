@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from testbench.commands._arguments import add_effects, positive
+from testbench.commands._arguments import add_effects, positive, shared
 
 SUMMARY = "put recordings, model, diagnosis and compensator into one self-contained HTML page"
 EXAMPLE = "testbench report --recording campaign-1 --held-out campaign-2 --model model.json -o report.html"
@@ -48,11 +48,10 @@ def run(args: argparse.Namespace) -> int:
         model=args.model,
         diagnoses=args.diagnosis,
         compensator=args.compensator,
-        effects=args.effects,
-        gauge_length_mm=args.gauge_length_mm,
         commands=args.commands,
         title=args.title,
         resistance=args.resistance,
+        **shared(args),
     )
     report, *figures = made.write(args.output or f"report.{args.format}", args.format, args.figures)
     print(f"wrote {report} ({plain(report.stat().st_size / 1e6, 2)} MB)")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from testbench.commands._arguments import add_simulation_arguments, positive
+from testbench.commands._arguments import add_simulation_arguments, positive, shared
 
 SUMMARY = "put the simulated rig behind a serial port (a pseudo-terminal) and print the port"
 EXAMPLE = """testbench rig --sensor pes --program program.tap --link /tmp/rig &
@@ -33,15 +33,11 @@ def run(args: argparse.Namespace) -> int:
     unheard = serve_rig(
         args.sensor or args.model,
         existing_file(args.program, "program"),
-        seed=args.seed,
-        gauge_length_mm=args.gauge_length_mm,
-        after=args.after,
-        rest_s=args.rest_s,
-        effects=args.effects,
         link=args.link,
         speed=args.speed,
         faults=args.faults,
         announce=announce,
+        **shared(args),
     )
     print(f"rig: the motion is over; {unheard} lines went unheard", file=sys.stderr)
     return 0

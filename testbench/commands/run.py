@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from testbench.commands._arguments import add_simulation_arguments, positive
+from gcode.support.console import given
+from testbench.commands._arguments import add_simulation_arguments, positive, shared
 
 SUMMARY = "run a program on the simulated rig and write a campaign folder"
 EXAMPLE = "testbench run --sensor pes --program program.tap --seed 1 -o pes-1"
@@ -47,15 +48,11 @@ def run(args: argparse.Namespace) -> int:
         args.sensor or args.model,
         program,
         args.campaign,
-        seed=args.seed,
-        gauge_length_mm=args.gauge_length_mm,
         instruments=instruments_of(args),
-        after=args.after,
-        rest_s=args.rest_s,
-        effects=args.effects,
         overwrite=args.overwrite,
         real_time=args.real_time,
         report=json_lines() if args.progress_json else terminal(f"run {Path(args.campaign).name}"),
+        **shared(args),
     )
     print(done, file=sys.stderr if args.progress_json else sys.stdout)
     if done.status is None or done.ended_well:
@@ -68,10 +65,8 @@ def instruments_of(args: argparse.Namespace):
     """The paper's instruments with what the command line changes."""
     from testbench.recordings.instruments import Divider, Instruments, Room, SampleClock
 
-    clock = {"rate_hz": args.rate_hz, "rate_sd_hz": args.rate_sd_hz}
-    divider = {"reference_ohm": args.reference_ohm}
     return Instruments(
-        clock=SampleClock(**{key: value for key, value in clock.items() if value is not None}),
-        divider=Divider(**{key: value for key, value in divider.items() if value is not None}),
+        clock=SampleClock(**given(args, ("rate_hz", "rate_sd_hz"))),
+        divider=Divider(**given(args, ["reference_ohm"])),
         room=Room(swing_C=args.swing_C) if args.swing_C else None,
     )

@@ -15,9 +15,9 @@ import numpy as np
 from gcode.support.errors import UserError
 from testbench.comparing.clamping import Zero, may_be_clamped_anew, moved, zero_of
 from testbench.comparing.model_errors import channel_name, noise_floors
-from testbench.comparing.remounting import remounted
+from testbench.comparing.remounting import held_errors, remounted
 from testbench.knit.model import KnitModel
-from testbench.measurements.joining import last_of, of_several
+from testbench.measurements.joining import last_of
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.preparing import prepare
 from testbench.measurements.responses import UNIT_OF
@@ -27,7 +27,7 @@ from testbench.recordings.doubts import say_once
 from testbench.recordings.recording import Recording
 from testbench.results.model_file import ModelFile, same_source
 
-SAME_FLOOR = 3e-3  # relative; noise floors of the same samples
+SAME = 3e-3  # relative; noise floors, and errors of one model, of the same samples
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +121,7 @@ def judged(
 
 def _taken_for_fresh(file: ModelFile, recording: Recording) -> str:
     """What to say where a held-out recording is judged without what its specimen had gone through; else empty."""
-    if file.between.rest_s is None and not of_several(file.fitted_on):
+    if file.between.rest_s is None and not file.of_several:
         return ""
     return (
         f"{recording.source}: judged as of a fresh specimen; it is of that of {file.fitted_on}, not there to say "
@@ -147,25 +147,31 @@ def kept_zero(file: ModelFile) -> Zero | None:
     return Zero(**zero) if zero else None
 
 
-def check_judged_on(held: Measurement, step: Mapping[str, Any]) -> None:
-    """Refuse held-out samples that a step of a ladder was not judged on; their noise floors tell them."""
-    kept, here = step["noise_floor"], noise_floors(held)
-    # Of several recordings in a row a sample at either end may count or not.
-    if kept.keys() == here.keys() and all(math.isclose(kept[c], here[c], rel_tol=SAME_FLOOR) for c in here):
-        return
-    there, found = (
-        " and ".join(f"{channel_name(c)} {floor:.4g} {UNIT_OF[c]}" for c, floor in floors.items())
-        for floors in (kept, here)
-    )
-    raise UserError(
-        f"{held.recording.source}: the diagnosis was judged on other samples: their noise floor is {there}, and here "
-        f"it is {found}; give the recordings that were diagnosed, or diagnose these"
-    )
+def check_judged_on(held: Measurement, step: Mapping[str, Any], model: KnitModel) -> None:
+    """Refuse held-out samples that a step of a ladder was not judged on.
+
+    Their noise floors tell them, and the error of its `model` on them, unless that was fitted on several recordings:
+    what its specimen had gone through before `held` is not known here.
+    """
+    told = {"noise floor": (step["noise_floor"], noise_floors(held))}
+    if step.get("recordings", 1) == 1:
+        told["error"] = step["errors"]["held_out"], held_errors(model, held)
+    for what, (kept, here) in told.items():
+        # Of several recordings in a row a sample at either end may count or not.
+        if kept.keys() != here.keys() or not all(math.isclose(kept[c], here[c], rel_tol=SAME) for c in here):
+            there, found = (
+                " and ".join(f"{channel_name(c)} {size:.4g} {UNIT_OF[c]}" for c, size in sizes.items())
+                for sizes in (kept, here)
+            )
+            raise UserError(
+                f"{held.recording.source}: the diagnosis was judged on other samples: their {what} is {there}, and "
+                f"here it is {found}; give the recordings that were diagnosed, or diagnose these"
+            )
 
 
 def held_samples(file: ModelFile, recording: Recording, held_out: Recording | None) -> Measurement:
     """Held-out samples as the last step of a ladder judged them: of `held_out`, or the last third of `recording`."""
-    if held_out and of_several(file.fitted_on):
+    if held_out and file.of_several:
         say_once(_taken_for_fresh(file, held_out))
     rested = Between(rest_s=file.between.rest_s if held_out else None)
     held, zero = split(recording, held_out, between=rested)[1], kept_zero(file)

@@ -82,23 +82,27 @@ def _with_fit(file: ModelFile) -> tuple[Mapping[str, Any], ...]:
 
 
 def ladder_step(step: str, model: KnitModel, calibration: Measurement, held: Measurement) -> dict[str, Any]:
-    """One entry of the history: the model, its errors on both recordings, and the noise floor.
+    """One entry of the history: the model, its errors on both recordings, their names, and the noise floor.
 
     Where the sensor was clamped anew for the held-out recording, also the `Zero` that was found there; where that is
-    of the same specimen, the rest before it.
+    of the same specimen, the rest before it; where it was fitted on several recordings in a row, how many.
     """
     sensor = without_zeros(model)
     zero = zero_of(sensor, held) if held.clamp_play_mm else None
     if zero is not None:
         held = moved(held, zero.shift_mm)
-    rested = held.rest_s is not None and not calibration.begins_s
+    recordings = 1 + len(calibration.begins_s)
+    rested = held.rest_s is not None and recordings == 1
     return {
         "step": step,
         "model": sensor.to_dict(),
         "errors": {"calibration": rms_errors(model, calibration), "held_out": held_errors(sensor, held)},
         "noise_floor": noise_floors(held),
+        "fitted_on": calibration.recording.source,
+        "held_out": held.recording.source,
         **({} if zero is None else {"zero": asdict(zero)}),
         **({"rest_s": held.rest_s} if rested else {}),
+        **({} if recordings == 1 else {"recordings": recordings}),
     }
 
 
@@ -132,7 +136,8 @@ def undo(file: ModelFile, catalogue: Catalogue) -> ModelFile:
     *earlier, last = file.history[:-1]
     model = model_from_dict(last["model"], catalogue, "history")
     step = {key: value for key, value in last.items() if key != "fit"}
-    return replace(file, model=model, history=(*earlier, step), fit=last.get("fit", {}))
+    names = {key: last.get(key, getattr(file, key)) for key in ("fitted_on", "held_out")}
+    return replace(file, model=model, history=(*earlier, step), fit=last.get("fit", {}), **names)
 
 
 def idle_effects(file: ModelFile, calibration: Measurement, held: Measurement, optional: set[str]) -> list[str]:

@@ -8,7 +8,7 @@ PREFIXES = {
     "ohm": ((1e6, "MΩ"), (1e3, "kΩ"), (1.0, "Ω")),
     "S": ((1.0, "S"), (1e-3, "mS"), (1e-6, "µS"), (1e-9, "nS")),
 }
-SPELT = {"1": "", "ohm": "Ω", "degC": "°C", "C": "°C", "1/s": "1/s"}
+SPELT = {"1": "", "degC": "°C", "C": "°C"}
 SMALL, LARGE = 1e-4, 1e7  # outside, a power of ten stands behind the number
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 

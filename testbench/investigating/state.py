@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, ConfigDict, Field, model_validator
 
 from gcode.support.errors import UserError
 from gcode.support.files import write_json
@@ -60,6 +60,8 @@ class Settings(NamedModel, StrictModel):
     strain_allowed_percent : float or None
         What the force has allowed so far, where it has passed its limit once; no motion goes beyond it.
     """
+
+    model_config = ConfigDict(title="investigate")  # errors name who takes these
 
     bounds: dict[Label, Positive]
     budget_s: float

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -79,11 +78,6 @@ def last_of(recordings: Sequence[Recording], rests_s: Sequence[float], clamp_pla
     whole, last = joined(recordings, rests_s, clamp_play_mm), recordings[-1]
     counts = whole.counts & (whole.signals["time_s"] >= whole.begins_s[-1])
     return replace(whole, counts=counts, recording=replace(whole.recording, source=last.source), rest_s=rests_s[-1])
-
-
-def of_several(source: str) -> bool:
-    """Whether what was measured under this name are several recordings in a row."""
-    return re.fullmatch(r"\d+ recordings", source) is not None
 
 
 def _gap(sampled_s: float, rest_s: float, rate_hz: float) -> int:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
+from zlib import crc32
 
 import numpy as np
 
@@ -79,7 +80,8 @@ class Recording(Unchanging):
     gauge_length_mm : float
         Length of the unstretched sensor between the clamps; NaN where no displacement was recorded.
     source : str
-        File or campaign it came from; used in error messages.
+        File or campaign it came from; errors name it, and a model knows by it what it was fitted on. Default:
+        ``columns-`` and its `digest`.
     metadata : mapping
         Anything else that is known (sensor, seed, trajectory).
 
@@ -94,15 +96,18 @@ class Recording(Unchanging):
     time_s: FloatArray
     channels: Mapping[str, FloatArray]
     gauge_length_mm: float
-    source: str = "recording"
+    source: str = ""
     metadata: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        _check_kinds(self.source, self.channels, self.metadata)
+        who = self.source or "recording"
+        _check_kinds(who, self.channels, self.metadata)
         columns = {TIME: self.time_s, **self.channels}
-        arrays = {name: numbers(self.source, name, values) for name, values in columns.items()}
+        arrays = {name: numbers(who, name, values) for name, values in columns.items()}
         object.__setattr__(self, "time_s", arrays.pop(TIME))
         object.__setattr__(self, "channels", arrays)
+        if not self.source:
+            object.__setattr__(self, "source", f"columns-{self.digest}")
         super().__post_init__()
         check(self.source, self.time_s, self.channels, self.gauge_length_mm)
 
@@ -112,6 +117,14 @@ class Recording(Unchanging):
     def __repr__(self) -> str:
         known = f"gauge length {self.gauge_length_mm:g} mm, " if np.isfinite(self.gauge_length_mm) else ""
         return f"<Recording {self.source}: {self._size}, {known}{', '.join(self.channels)}>"
+
+    @property
+    def digest(self) -> str:
+        """Eight hexadecimal digits that tell the samples of recordings apart."""
+        sum_ = 0
+        for values in (self.time_s, *self.channels.values()):
+            sum_ = crc32(values.tobytes(), sum_)
+        return f"{sum_:08x}"
 
     @property
     def _size(self) -> str:

@@ -24,6 +24,7 @@ from testbench.recordings.recording import Recording
 from testbench.recordings.stored import Label, StoredModel, checked_model
 
 AT_BOUND, UNTOLD = "at a bound", "this recording cannot tell"
+Source = Annotated[str, Field(max_length=4096)]  # the name of a recording
 MEASURED_AS = {FORCE_CHANNEL: FORCE, CONDUCTANCE_CHANNEL: RESISTANCE}
 
 
@@ -71,8 +72,11 @@ class Step(ExtraKept):
     model: StoredModel
     errors: Errors
     noise_floor: dict[Label, Annotated[float, Field(ge=0)]]
+    fitted_on: Source = ""
+    held_out: Source = ""
     zero: _Zero | None = None
     rest_s: Annotated[float, Field(gt=0, lt=MOST_REST_S)] | None = None
+    recordings: Annotated[int, Field(ge=1)] = 1  # in a row, that it was fitted on
     fit: Summary | None = None  # of a step that is not the last
 
     @model_validator(mode="after")
@@ -89,8 +93,8 @@ class _Rest(StrictModel):
     model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
 
     gauge_length_mm: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    fitted_on: Annotated[str, Field(max_length=4096)] = ""
-    held_out: Annotated[str, Field(max_length=4096)] = ""
+    fitted_on: Source = ""
+    held_out: Source = ""
     fit: Summary = Summary()
     history: Annotated[list[Step], Field(max_length=1000)] = Field(default_factory=list)
 
@@ -124,6 +128,11 @@ class ModelFile(Unchanging):
         last = self.history[-1] if self.history else {}
         zero = last.get("zero")
         return Between(float(zero["play_mm"]) if zero else 0.0, last.get("rest_s"))
+
+    @property
+    def of_several(self) -> bool:
+        """Whether its last step was fitted on several recordings in a row."""
+        return bool(self.history) and self.history[-1].get("recordings", 1) > 1
 
     def save(self, path: str | Path) -> None:
         """Write atomically."""

@@ -67,7 +67,7 @@ def simulate(
         simulate_campaign(plan, Path(temporary) / "campaign", motion)
         recording = read_recording(Path(temporary) / "campaign")
     name = f"{program.spec.name}-{program.seed}" if isinstance(program, Made) else plan.program.name
-    return replace(recording, source=f"simulated {name}, seed of noise {seed}")
+    return _named(recording, f"simulated {name}, seed of noise {seed}")
 
 
 def example(*effects: Effect, seed: int = 1, duration_s: float = EXAMPLE_S) -> Recording:
@@ -96,4 +96,9 @@ def example(*effects: Effect, seed: int = 1, duration_s: float = EXAMPLE_S) -> R
     for effect in effects:
         model = model + effect
     program = generate("paper-1", seed=seed, duration_s=duration_s)
-    return replace(simulate(model, program, seed=seed), source=f"example-{seed}")
+    return _named(simulate(model, program, seed=seed), f"example-{seed}")
+
+
+def _named(recording: Recording, name: str) -> Recording:
+    """A recording under a name that one of another sensor does not have."""
+    return replace(recording, source=f"{name} ({recording.digest})")

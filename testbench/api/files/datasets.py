@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -153,11 +154,5 @@ def _counting(progress: Counted | bool | None, total: int) -> Callable[[], None]
         return lambda: None
     if not callable(progress):
         return Progress("campaigns", total).step
-    done = 0
-
-    def step() -> None:
-        nonlocal done
-        done += 1
-        progress(done, total)
-
-    return step
+    done = count(1)
+    return lambda: progress(next(done), total)

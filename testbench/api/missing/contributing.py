@@ -139,7 +139,7 @@ def contribution(
     without = model_from_dict(before["model"], catalogue, "diagnosis")
     first, second, _ = recordings_for(None, None, recording, held_out, gauge_length_mm)
     held = held_samples(ModelFile(without, 0.0, history=(before,)), first, second)
-    check_judged_on(held, before)
+    check_judged_on(held, before, without)
     ln_S = held.measured[CONDUCTANCE_CHANNEL][held.counts] if CONDUCTANCE_CHANNEL in held.measured else None
     return ContributionResult(effect, core.contribution(without, effect, held), ln_S)
 

@@ -116,13 +116,13 @@ def test_the_name_of_a_law_is_a_text():
 
 @pytest.mark.parametrize("odd", ["3", True])
 def test_a_limit_among_the_bounds_is_no_text_either(odd, tmp_path):
-    with pytest.raises(tb.UserError, match=f"Settings: bounds.strain_max_percent: must be a number, got {odd!r}"):
+    with pytest.raises(tb.UserError, match=f"investigate: bounds.strain_max_percent: must be a number, got {odd!r}"):
         tb.investigate(tb.baseline(), tmp_path / "i", bounds={"strain_max_percent": odd})
 
 
 @pytest.mark.parametrize("name", ["max_force_N", "rest_s", "seed", "trials", "gauge_length_mm"])
 @pytest.mark.parametrize("odd", ["3", True])
 def test_an_investigation_makes_no_number_of_a_text_or_of_a_yes(name, odd, tmp_path):
-    with pytest.raises(tb.UserError, match=f"Settings: {name}: must be a number, got {odd!r}"):
+    with pytest.raises(tb.UserError, match=f"investigate: {name}: must be a number, got {odd!r}"):
         tb.investigate(tb.baseline(), tmp_path / "i", **{name: odd})
     assert not (tmp_path / "i").exists()

@@ -34,7 +34,7 @@ def axes(count: int):
 
 def test_a_recording_tells_and_draws_itself():
     recording = relaxed()
-    assert repr(recording).startswith(f"<Recording example-1: {len(recording)} samples in 9")
+    assert repr(recording).startswith(f"<Recording {recording.source}: {len(recording)} samples in 9")
     assert recording._repr_html_().count("<polyline") == len(recording.channels) == 3
     on = axes(3)
     assert list(recording.plot(on)) == on

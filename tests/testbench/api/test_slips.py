@@ -361,6 +361,13 @@ def test_a_slip_is_refused_in_a_sentence(slip, tmp_path, monkeypatch):
         call()
 
 
+def test_a_result_that_holds_a_recording_is_told_so(tmp_path):
+    """It was told to make a data frame of it."""
+    ran = tb.run("pes", gcode.generate("paper-1", seed=3, duration_s=20), tmp_path / "a")
+    with pytest.raises(tb.UserError, match="got RunResult; give its `recording`"):
+        tb.fit(ran)  # type: ignore[arg-type]
+
+
 def test_a_coordinate_that_is_none_is_refused_with_those_there_are():
     recording = tb.example(duration_s=60)
     with pytest.raises(tb.UserError, match=r"coordinate must be one of strain, .*; got 'speed'"):

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from gcode.support.errors import UserError
 from testbench.comparing.cell import Cell
 from testbench.comparing.compare import Comparison, Place, _cell, compare, distinct, residual_maps
-from testbench.comparing.ladder import fitted_file, idle_effects, undo
+from testbench.comparing.ladder import as_a_step, fitted_file, idle_effects, undo
 from testbench.comparing.model_errors import noise_floors
 from testbench.comparing.residual_coordinates import coordinates
 from testbench.comparing.tables import comparison_table
@@ -118,6 +120,15 @@ def test_undo_is_the_step_before_and_stops_at_the_first(ladder, tmp_path):
     assert back.history == base.history
     with pytest.raises(UserError, match="nothing to undo"):
         undo(back, CATALOGUE)
+
+
+def test_undo_names_the_recordings_that_the_step_below_was_fitted_and_judged_on(ladder, parts):
+    """Else the model below counts as fitted on what only the step above it was."""
+    other = replace(parts[0], recording=replace(parts[0].recording, source="another.csv"))
+    above = as_a_step(ladder[0].model, ladder[0].fit, ladder[0], "+ more", other, other)
+    assert (above.fitted_on, above.held_out) == ("another.csv", "another.csv")
+    back = undo(above, CATALOGUE)
+    assert (back.fitted_on, back.held_out) == (ladder[0].fitted_on, ladder[0].held_out)
 
 
 def test_an_effect_that_does_nothing_is_pointed_out_and_one_that_pays_is_not(parts, ladder):

@@ -8,14 +8,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import gcode
 import testbench as tb
 from gcode.support.errors import UserError
 from testbench.cli import main
 from testbench.comparing.clamping import moved
-from testbench.comparing.judged import held_samples, judged
-from testbench.comparing.ladder import on_the_ladder
+from testbench.comparing.judged import check_judged_on, held_samples, judged
+from testbench.comparing.ladder import as_a_step, on_the_ladder
 from testbench.comparing.remounting import held_errors
 from testbench.fitting.fit import fit
+from testbench.measurements.joining import joined
 from testbench.measurements.preparing import prepare
 from testbench.measurements.splitting import split
 from testbench.recordings.between import Between
@@ -123,6 +125,21 @@ def test_recordings_in_memory_are_told_apart_by_their_content() -> None:
     first, again = tb.read(columns, gauge_length_mm=25), tb.read(dict(columns), gauge_length_mm=25)
     assert first.source == again.source
     assert first.source != tb.read(columns | {"force_N": [0, 2, 2]}, gauge_length_mm=25).source
+    time_s, channels = columns["time_s"], {name: columns[name] for name in ("displacement_mm", "force_N")}
+    assert Recording(time_s, channels, 25).source == first.source, "whoever made it"
+
+
+def test_one_program_on_two_sensors_makes_two_recordings_of_two_names() -> None:
+    """Else a model of the one counts as fitted on the other, and is judged on its last third with its zeros free."""
+    plain, relaxing = tb.example(duration_s=20), tb.example(tb.effects.StressRelaxation(), duration_s=20)
+    assert plain.source != relaxing.source
+    assert plain.source == tb.example(duration_s=20).source
+    assert (
+        tb.compare(relaxing, ModelFile(truth(), 25.0, plain.source, plain.source)).to_dict().get("judged_from_s")
+        is None
+    )
+    program = gcode.generate("paper-1", seed=3, duration_s=20)
+    assert tb.simulate("pes", program).source != tb.simulate("lycra", program).source
 
 
 def test_a_model_without_a_law_for_a_channel_is_one_sentence(own, tmp_path, capsys) -> None:
@@ -135,9 +152,23 @@ def test_a_model_without_a_law_for_a_channel_is_one_sentence(own, tmp_path, caps
 
 def test_what_several_recordings_were_before_is_missed_aloud(own, anew, caplog) -> None:
     """Diagnosed as one history, they make another error of what is held out than it has alone."""
-    file = ModelFile(truth(), 25.0, fitted_on="2 recordings", held_out=anew.source)
+    both = joined([own, named(record(truth(), 120, seed=3), "d.csv")], [60.0])
+    file = as_a_step(truth(), {}, None, "baseline", both, prepare(anew))
+    assert file.of_several
+    assert not replace(file, history=()).of_several, "whatever the recording is called"
     words = "judged as of a fresh specimen; it is of that of 2 recordings, not there to say what it had gone through"
     assert words in judged(file, anew).doubt
     assert judged(file, own).doubt == ""
     held_samples(file, own, anew)
     assert words in caplog.text
+
+
+def test_other_samples_of_the_same_noise_are_told_by_the_error_of_the_model(own) -> None:
+    """One recording in forty has the noise floor of another in its only channel."""
+    held, ramp_N = prepare(own), 0.3 * own.time_s / own.time_s[-1]
+    other = prepare(replace(own, channels={**own.channels, "force_N": own["force_N"] + ramp_N}))
+    step = as_a_step(truth(), {}, None, "baseline", held, held).history[-1]
+    check_judged_on(held, step, truth())
+    with pytest.raises(UserError, match="judged on other samples: their error is force"):
+        check_judged_on(other, step, truth())
+    check_judged_on(other, {**step, "recordings": 2}, truth())
