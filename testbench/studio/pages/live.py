@@ -122,20 +122,22 @@ class Live:
             else:
                 ui.label(f"{self.job.title}: {ENDS.get(state, state)}. {said}").classes("verdict")
             with ui.row():
-                self._ways_on()
+                more = self._ways_on()
                 button("Record another", "edit", ui.navigate.reload, "outline")
-        if failed and not kept:  # else it may be gone on with
+        if failed and not more:
             await self._stop_rig()
 
-    def _ways_on(self) -> None:
+    def _ways_on(self) -> bool:
+        """The ways to what was recorded; whether it may be gone on with."""
         if not (self.folder / MANIFEST).is_file():
-            return
+            return False
         name = self.studio.workspace.name_of(self.folder)
         way_on("Open the recording", "", address("/recording", c=name))
         campaign = self.studio.workspace.campaign(name)
-        if is_unfinished(campaign):
+        if more := is_unfinished(campaign):
             again = partial(resume, self.studio, campaign, go=lambda _: ui.navigate.reload())
             button("Resume", "fiber_manual_record", again, "outline")
+        return more
 
 
 def channel_of(follower: Follower, name: str, title: str, factor: float, colour: str) -> LiveChannel | None:

@@ -12,6 +12,7 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from testbench.comparing.words import spoken
+from testbench.recordings.channels import RESISTANCE
 from testbench.recordings.manifest import CSV
 from testbench.report.document import Table
 from testbench.report.figures import comparison_figures as figures
@@ -139,7 +140,8 @@ def _choose(studio: Studio, c: str, on: str, where: Address, held: str) -> None:
             second = ui.select(models, value=beside, label="A second model beside it")
             second.style("width:min(240px, 84vw)").on_value_change(lambda event: where.go(beside=event.value))
         with ui.row().classes("items-center gap-2"):
-            quantity_toggle(where)
+            if RESISTANCE in studio.workspace.campaign(on).columns:
+                quantity_toggle(where)
             way_on("What is missing?", "search", address("/missing", c=c, show=where.query["show"]))
 
 

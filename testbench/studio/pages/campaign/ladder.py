@@ -89,7 +89,8 @@ class _Ladder:
         """Figures, slider, buttons."""
         last = len(self.steps) - 1
         step = last if not 0 <= step <= last else step
-        quantity_toggle(self.where)
+        if "conductance" in self.judged.measured:
+            quantity_toggle(self.where)
         self.facts = ui.column().classes("w-full")
         self.ladder = plot(figures.ladder(self.steps, step), figures.LADDER_CAPTION)
         for note in (*ladder_notes(step.label for step in self.steps), self.zero):
