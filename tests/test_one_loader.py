@@ -97,7 +97,7 @@ ALLOWED: dict[tuple[str, str], tuple[int, str]] = {
     ("testbench/rig/acquisition/stopping.py", "os.open"): (1, "the terminal, of which only the foreground is asked"),
     ("testbench/rig/acquisition/appender.py", ".open"): (4, WRITES),
     ("testbench/rig/acquisition/sink.py", ".open"): (1, WRITES),
-    ("testbench/studio/lasting.py", "os.fdopen"): (1, "what strict.open_plain opened"),
+    ("testbench/studio/pages/campaign/compensate.py", "os.fdopen"): (1, "what strict.open_plain opened"),
     ("testbench/studio/tail.py", "os.fdopen"): (1, "what strict.open_plain opened"),
     ("testbench/studio/jobs/outliving.py", "os.open"): (1, LOCK),
     ("testbench/studio/pages/campaign_card.py", ".open"): (1, "a dialog"),

@@ -210,9 +210,17 @@ class _Candidates:
         self.where.note_span(span)
 
     def _predicted(self, entry: Mapping[str, Any]) -> ContributionResult:
+        """What a candidate looks like in data, and what it would add on the held-out samples."""
         studio, c = self.studio, self.c
+
+        def make() -> ContributionResult:
+            from testbench.api.missing.contributing import contribution
+
+            recording, other = studio.workspace.recording(c), models.held_out_recording(studio, c)
+            effects = studio.effects.catalogue()
+            return contribution(self.diagnosis, entry["law"], recording, other, effects=effects)
+
         files = stamp(models.diagnosis_path(studio, c), models.model_path(studio, c), studio.effects.file)
-        make = partial(contribution_of, studio, c, self.diagnosis, entry)
         return studio.memory.recall(("predicted", c, entry["law"], files), make)
 
     def _add(self, entry: Mapping[str, Any]) -> None:
@@ -239,19 +247,3 @@ class _Candidates:
         """Whether the diagnosis was made of the model as it is now, and its own model is there."""
         own = models.diagnosed_path(self.studio, self.c)
         return own.is_file() and models.is_fresh(self.studio, self.c, self.diagnosis)
-
-
-def contribution_of(
-    studio: Studio, c: str, diagnosis: Mapping[str, Any], entry: Mapping[str, Any]
-) -> ContributionResult:
-    """What a candidate looks like in data, and what it would add on the held-out samples.
-
-    Raises
-    ------
-    UserError
-        If the diagnosis names an effect that is not in the catalogue any more.
-    """
-    from testbench.api.missing.contributing import contribution
-
-    recording, other = studio.workspace.recording(c), models.held_out_recording(studio, c)
-    return contribution(diagnosis, entry["law"], recording, other, effects=studio.effects.catalogue())
