@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -92,9 +93,10 @@ def before_and_after(rows: Sequence[Mapping[str, Any]], names: Sequence[str], ta
     span = np.array([row["r2_after_interval"] or (np.nan, np.nan) for row in rows])
     up, down = span[:, 1] - after, after - span[:, 0]
     whiskers = {"array": up, "arrayminus": down, "symmetric": False, "color": TRUTH}
+    bar = partial(style.upright_bars, width=0.36, hover="%{y:.3f}", showlegend=True)
     bars = [
-        _bars(places - 0.2, [row["r2_before"] for row in rows], RAW, "raw conductance"),
-        _bars(places + 0.2, after, PREDICTION, "compensated") | {"error_y": whiskers},
+        bar(places - 0.2, [row["r2_before"] for row in rows], colour=RAW, name="raw conductance"),
+        bar(places + 0.2, after, colour=PREDICTION, name="compensated", error_y=whiskers),
     ]
     ticks = {"tickvals": list(range(len(rows))), "ticktext": list(names), "showgrid": False}
     axes: dict[str, Any] = {
@@ -110,7 +112,3 @@ def before_and_after(rows: Sequence[Mapping[str, Any]], names: Sequence[str], ta
 def _paper_words(knit: str, value: float, upper: bool) -> dict[str, Any]:
     place = {"yref": "y", "xanchor": "left", "yanchor": "bottom" if upper else "top"}  # the two lie close together
     return style.note(f"paper, {knit} {value:.2f}", 1.01, value, font={"size": 11, "color": style.MUTED}, **place)
-
-
-def _bars(places: np.ndarray, heights: Sequence[float] | np.ndarray, colour: str, name: str) -> dict[str, Any]:
-    return style.upright_bars(places, heights, 0.36, colour, "%{y:.3f}", name=name, showlegend=True)

@@ -115,13 +115,8 @@ def step_names(labels: Sequence[str], room: bool = True) -> list[str]:
     if not room:
         return [str(number) for number in range(len(labels))]
     width = LINE if len(labels) <= BESIDE else 1  # many: a line a word
-    return ["<br>".join(_lines(spoken(label), width)) for label in labels]
-
-
-def _lines(label: str, width: int) -> list[str]:
-    """A sign stays with its word."""
-    words = label.replace("+ ", "+\N{NO-BREAK SPACE}")
-    return textwrap.wrap(words, width, break_long_words=False)
+    words = [spoken(label).replace("+ ", "+\N{NO-BREAK SPACE}") for label in labels]  # a sign stays with its word
+    return ["<br>".join(textwrap.wrap(one, width, break_long_words=False)) for one in words]
 
 
 def _floors(

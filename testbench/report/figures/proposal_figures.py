@@ -74,15 +74,13 @@ def _dependence(step: Step, index: int) -> list[dict[str, Any]]:
 
 def binned(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Mean of `x` and `y`, and the standard error of that of `y`, in bins with about as many samples each."""
+    import pandas as pd
+
     edges = np.unique(np.quantile(x, np.linspace(0, 1, BINS + 1)))
-    if len(edges) < 3:
-        edges = np.array([x.min(), 0.5 * (x.min() + x.max()), x.max() + 1e-12])
-    place = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(edges) - 2)
-    count = np.maximum(np.bincount(place, minlength=len(edges) - 1), 1)
-    mean_x, mean_y = (np.bincount(place, weights=v, minlength=len(count)) / count for v in (x, y))
-    square = np.bincount(place, weights=(y - mean_y[place]) ** 2, minlength=len(count)) / count
-    filled = np.bincount(place, minlength=len(count)) > 0
-    return mean_x[filled], mean_y[filled], np.sqrt(square / count)[filled]
+    inner = edges[1:-1] if len(edges) > 2 else [edges.mean()]
+    bins = pd.DataFrame({"x": x, "y": y}).groupby(np.searchsorted(inner, x, side="right"))
+    mean, error = bins.mean(), bins["y"].sem(ddof=0)
+    return mean["x"].to_numpy(), mean["y"].to_numpy(), error.to_numpy()
 
 
 def _residuals(model: KnitModel, held: Measurement) -> dict[str, FloatArray]:

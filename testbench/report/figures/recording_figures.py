@@ -44,18 +44,14 @@ def channels_of(recording: Recording, resistance: bool = False) -> list[Channel]
         found.append(("Strain / %", 100 * recording.strain, style.STRAIN))
     if recording.has(FORCE):
         found.append(("Force / N", recording[FORCE], style.FORCE))
-    if recording.has(RESISTANCE):
-        found.append(_electrical(recording, resistance))
+    if recording.has(RESISTANCE) and resistance:
+        found.append(("Resistance / kΩ", 1e-3 * recording[RESISTANCE], style.CONDUCTANCE))
+    elif recording.has(RESISTANCE):
+        factor, unit = conductance_scale(recording.conductance_S)
+        found.append((f"Conductance / {unit}", factor * recording.conductance_S, style.CONDUCTANCE))
     if recording.has(TEMPERATURE):
         found.append(("Temperature / °C", recording[TEMPERATURE], style.ORANGE))
     return found
-
-
-def _electrical(recording: Recording, resistance: bool) -> Channel:
-    if resistance:
-        return "Resistance / kΩ", 1e-3 * recording[RESISTANCE], style.CONDUCTANCE
-    factor, unit = conductance_scale(recording.conductance_S)
-    return f"Conductance / {unit}", factor * recording.conductance_S, style.CONDUCTANCE
 
 
 def time_series(

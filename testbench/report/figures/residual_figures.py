@@ -27,6 +27,7 @@ COORDINATE_TITLES = {
 IN_PERCENT = ("strain", "largest_strain", "strain_rate")
 LOG_COORDINATES = ("since_reversal_s", "since_hold_s")
 DIRECTIONS = ((1, "stretching", style.BLUE, "triangle-up"), (-1, "releasing", style.VERMILION, "diamond"))
+COLUMNS = 3
 HEAT_BINS = 24
 FEW = 8  # cells of a map with fewer samples are left blank
 
@@ -39,12 +40,15 @@ def profiles_caption(channel: str) -> str:
 def profiles(maps: Mapping[str, Sequence[Cell]], channel: str) -> style.Figure:
     """Mean residual over each coordinate with two standard errors, stretching and releasing apart."""
     shown = [name for name in COORDINATE_TITLES if len(maps.get(name, ())) > 1]
-    columns = 3
+    count = -(-len(shown) // COLUMNS)
+    across, down = style.parts(COLUMNS, 0.07), style.rows(count, 0.3 / max(count, 1))
     traces: list[dict[str, Any]] = []
+    axes: dict[str, Any] = {}
     for index, coordinate in enumerate(shown):
-        traces += _profile(maps[coordinate], coordinate, index)
-    axes = _grid_axes({name: maps[name] for name in shown}, columns, channel)
-    count = -(-len(shown) // columns)
+        (row, column), cells = divmod(index, COLUMNS), maps[coordinate]
+        traces += _profile(cells, coordinate, index)
+        title = RESIDUAL_TITLES[channel] if column == 0 else ""
+        axes |= _panel(index, coordinate, cells, title, across[column], down[row])
     return style.figure(_legend_once(traces), height=230 * max(count, 1) + 60, **axes)
 
 
@@ -90,17 +94,6 @@ def _legend_once(traces: list[dict[str, Any]]) -> list[dict[str, Any]]:
         trace["showlegend"] = trace["name"] not in seen
         seen.add(trace["name"])
     return traces
-
-
-def _grid_axes(coordinates: Mapping[str, Sequence[Cell]], columns: int, channel: str) -> dict[str, Any]:
-    count = -(-len(coordinates) // columns)
-    across, down = style.parts(columns, 0.07), style.rows(count, 0.3 / max(count, 1))
-    axes: dict[str, Any] = {}
-    for index, (coordinate, cells) in enumerate(coordinates.items()):
-        row, column = divmod(index, columns)
-        title = RESIDUAL_TITLES[channel] if column == 0 else ""
-        axes |= _panel(index, coordinate, cells, title, across[column], down[row])
-    return axes
 
 
 def _panel(

@@ -20,11 +20,6 @@ def plotly_path() -> Path:
         return path
 
 
-def plotly_js() -> str:
-    """plotly.js itself, to be put into a page."""
-    return plotly_path().read_text("utf-8")
-
-
 def to_json(figures: Any) -> str:
     """Figures as JSON, their arrays packed."""
     return json.dumps(packed(figures), allow_nan=False, separators=(",", ":"))

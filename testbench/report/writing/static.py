@@ -119,12 +119,10 @@ def draw_on(figure: style.Figure, axes: Axes | Sequence[Axes] | None) -> NDArray
 
 def _fill(page: Page, figure: style.Figure) -> None:
     for trace in figure["data"]:
-        DRAWERS[_known(trace)](page.axes_of(trace), trace, page)
+        kind = trace.get("type", "scatter")
+        if kind not in DRAWERS:
+            raise UserError(
+                f"figures of type {kind} cannot be drawn without a browser; allowed: {', '.join(DRAWERS)}"
+            )
+        DRAWERS[kind](page.axes_of(trace), trace, page)
     page.finish()
-
-
-def _known(trace: dict[str, Any]) -> str:
-    kind = trace.get("type", "scatter")
-    if kind not in DRAWERS:
-        raise UserError(f"figures of type {kind} cannot be drawn without a browser; allowed: {', '.join(DRAWERS)}")
-    return kind

@@ -12,12 +12,6 @@ from testbench.report.writing.static_page import DASHES, Page, plain, tick
 SYMBOLS = {"circle": "o", "diamond": "D", "triangle-up": "^"}
 
 
-def _colour_map(scale: list[list[Any]]):
-    from matplotlib.colors import LinearSegmentedColormap
-
-    return LinearSegmentedColormap.from_list("house", [(float(place), colour) for place, colour in scale])
-
-
 def _scatter(axes, trace: dict[str, Any], page: Page) -> None:
     x, y = np.asarray(trace["x"]), np.asarray(trace["y"])
     mode, line, marker = trace.get("mode", "lines"), trace.get("line", {}), trace.get("marker", {})
@@ -81,11 +75,12 @@ def _bar(axes, trace: dict[str, Any], page: Page) -> None:
 
 
 def _heatmap(axes, trace: dict[str, Any], page: Page) -> None:
+    from matplotlib.colors import LinearSegmentedColormap
+
     z = np.ma.masked_invalid(np.asarray(trace["z"], dtype=float))
-    limits = {"vmin": trace.get("zmin"), "vmax": trace.get("zmax")}
-    cells = axes.pcolormesh(
-        _edges(trace["x"]), _edges(trace["y"]), z, cmap=_colour_map(trace["colorscale"]), rasterized=True, **limits
-    )
+    look = {"vmin": trace.get("zmin"), "vmax": trace.get("zmax"), "rasterized": True}
+    look["cmap"] = LinearSegmentedColormap.from_list("house", trace["colorscale"])
+    cells = axes.pcolormesh(_edges(trace["x"]), _edges(trace["y"]), z, **look)
     _colour_bar(axes, cells, trace["colorbar"], page)
 
 
