@@ -15,7 +15,7 @@ from typing import Any
 from gcode.support.errors import UserError
 from gcode.support.strict import read_json
 from testbench.recordings.files import read_recording
-from testbench.recordings.manifest import CSV, MOST_BYTES
+from testbench.recordings.manifest import CSV, MOST_BYTES, problems
 from testbench.recordings.manifest import NAME as MANIFEST
 from testbench.recordings.recording import Recording
 from testbench.studio.memory import Memory, stamp
@@ -286,7 +286,6 @@ def _made_in(folder: str) -> frozenset[str]:
 
 
 def _verdict(folder: Path) -> list[str]:
-    from testbench.recordings.manifest import problems
 
     try:
         return problems(folder)

@@ -27,12 +27,19 @@ def proposal(proposed: Proposed) -> style.Figure:
     panels: list[tuple[str, str]] = []
     for step in proposed.steps:
         traces += _dependence(step, len(panels))
-        panels.append((_z(step), _lacks(step)))
+        term, channel = step.option.law.term, step.option.law.place.channel
+        unit = "" if str(term.unit) == "1" else f", in {term.unit}"
+        panels.append(
+            (f"z = {plain(term.latex)}{unit}", f"What the {channel_name(channel)} lacks / {UNIT_OF[channel]}")
+        )
     before, after = (_residuals(model, proposed.held) for model in (proposed.before.model, proposed.after.model))
     for channel, values in after.items():
         traces += _over_time(before[channel], values, proposed.held, len(panels))
         panels.append(("Time / s", f"Measured − modelled, {channel_name(channel)} / {UNIT_OF[channel]}"))
-    axes, tops = _rows(panels)
+    axes: dict[str, Any] = {}
+    domains = style.rows(len(panels), 0.32 / len(panels), 1 - LEGEND_PX / (ROW_PX * len(panels)))
+    for index, ((x_title, y_title), domain) in enumerate(zip(panels, domains, strict=True)):
+        axes |= style.panel(index, style.axis(x_title), style.axis(y_title, domain=domain))
     titles = [
         f"<b>{numbered(proposed.name, index)}</b>: {in_words(step.option.law)}"
         for index, step in enumerate(proposed.steps)
@@ -43,20 +50,11 @@ def proposal(proposed: Proposed) -> style.Figure:
         for channel in after
     ]
     notes = [
-        style.note(title, 0, top, xanchor="left", yanchor="bottom") for title, top in zip(titles, tops, strict=True)
+        style.note(title, 0, top, xanchor="left", yanchor="bottom")
+        for title, (_, top) in zip(titles, domains, strict=True)
     ]
     height = ROW_PX * len(panels) + 60
     return style.figure(traces, height=height, annotations=notes, legend=LEGEND, **axes)
-
-
-def _z(step: Step) -> str:
-    term = step.option.law.term
-    return f"z = {plain(term.latex)}" + (f", in {term.unit}" if str(term.unit) != "1" else "")
-
-
-def _lacks(step: Step) -> str:
-    channel = step.option.law.place.channel
-    return f"What the {channel_name(channel)} lacks / {UNIT_OF[channel]}"
 
 
 def _dependence(step: Step, index: int) -> list[dict[str, Any]]:
@@ -94,12 +92,3 @@ def _over_time(before: FloatArray, after: FloatArray, held: Measurement, index: 
     rows = rows[:: max(1, len(rows) // POINTS)]
     both = ((before, style.VERMILION), (after, style.BLUE))
     return [style.curve(held.grid_s[rows], values[rows], colour, index, 1) for values, colour in both]
-
-
-def _rows(panels: list[tuple[str, str]]) -> tuple[dict[str, Any], list[float]]:
-    """Axes of panels below each other, each with an axis of its own, and where their tops are."""
-    axes: dict[str, Any] = {}
-    domains = style.rows(len(panels), 0.32 / len(panels), 1 - LEGEND_PX / (ROW_PX * len(panels)))
-    for index, ((x_title, y_title), domain) in enumerate(zip(panels, domains, strict=True)):
-        axes |= style.panel(index, style.axis(x_title), style.axis(y_title, domain=domain))
-    return axes, [top for _, top in domains]

@@ -8,7 +8,7 @@ from gcode.support.arrays import FloatArray
 from testbench.recordings.channels import RESISTANCE
 from testbench.recordings.recording import Recording
 from testbench.report import style
-from testbench.report.downsample import rows_to_draw, thinned, window
+from testbench.report.downsample import rows_to_draw, window
 from testbench.report.figures.recording_figures import channels_of
 
 THUMBNAIL_S, THUMBNAIL_SAMPLES = 60.0, 120
@@ -29,7 +29,7 @@ def thumbnail(recording: Recording) -> str:
         _, values, colour = channels[1]
         paths += _path(time_s, values, rows, colour, split, height)
         _, values, colour = channels[-1] if recording.has(RESISTANCE) else channels[1]
-        few = thinned(len(recording), 500)
+        few = slice(None, None, max(1, len(recording) // 500))
         paths += _dots(first[few], values[few], colour, split + 14, width, height)
     return (
         f'<svg viewBox="0 0 {width} {height}" width="{width}" height="{height}" '

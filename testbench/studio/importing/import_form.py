@@ -5,14 +5,13 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from gcode.support.errors import UserError
 from gcode.support.strict import json_of, validated
+from testbench.importing.choice import ELECTRICAL, FLAGS, UNIT_FLAGS
+from testbench.importing.sheet import Hints
+from testbench.importing.wish import Wish
 from testbench.studio.importing.import_words import TITLES
-
-if TYPE_CHECKING:
-    from testbench.importing.wish import Wish
 
 NOT_THERE = "none"
 HINTS = ("header_row", "units_row", "separator", "decimal", "thousands", "encoding", "sheet")
@@ -73,9 +72,6 @@ class Choices:
 
     def wish(self) -> Wish:
         """What is said on the page, as the import takes it."""
-        from testbench.importing.sheet import Hints
-        from testbench.importing.wish import Wish
-
         return Wish(
             gauge_length_mm=self.gauge_length_mm,
             columns=self.columns,
@@ -100,8 +96,6 @@ class Choices:
         UserError
             If the gauge length is missing and the file has a displacement or strain.
         """
-        from testbench.importing.choice import FLAGS, UNIT_FLAGS
-
         stretched = bool(roles & {"displacement", "strain"})
         if stretched and not self.gauge_length_mm:
             raise UserError("“Gauge length / mm” is empty: say the sensor's length between the clamps at rest")
@@ -125,14 +119,11 @@ class Choices:
         argv += ["--sort"] * self.sort + ["--drop-bad"] * self.drop_bad
         return [*argv, "--json", "-o", str(folder)]
 
-    def set_column(self, role: str, column: str | None) -> None:
+    def set_column(self, role: str, column: str) -> None:
         """Take a column for `role`; another electrical quantity, or a strain for a displacement, gives way to it."""
-        from testbench.importing.choice import ELECTRICAL
-
-        self.columns[role] = column or NOT_THERE
+        self.columns[role] = column
         for group in (("displacement", "strain"), ELECTRICAL):
-            if column and role in group:
-                for other in group:
-                    if other != role:
-                        self.columns.pop(other, None)
+            if column != NOT_THERE and role in group:
+                for other in set(group) - {role}:
+                    self.columns.pop(other, None)
         self.units.pop(role, None)

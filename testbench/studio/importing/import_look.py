@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from html import escape
-from typing import TYPE_CHECKING
 
+from testbench.importing.choice import Choice
+from testbench.importing.sheet import Sheet
+from testbench.importing.vocabulary.laboratory_units import symbols
+from testbench.importing.vocabulary.roles import ROLES
 from testbench.studio.importing.import_form import NOT_THERE, Choices
 from testbench.studio.importing.import_words import R0, TITLES
-
-if TYPE_CHECKING:
-    from testbench.importing.choice import Choice
-    from testbench.importing.sheet import Sheet
 
 LINES = 30
 CELL = 44  # characters of a cell that are shown
@@ -66,9 +65,6 @@ def column_options(sheet: Sheet) -> dict[str, str]:
 
 def unit_options(role: str) -> dict[str, str]:
     """The units that a role can have."""
-    from testbench.importing.vocabulary.laboratory_units import symbols
-    from testbench.importing.vocabulary.roles import ROLES
-
     units = {symbol: "as a ratio" if symbol == "1" else symbol for symbol in symbols(ROLES[role])}
     return units | ({"date": "dates"} if role == "time" else {})
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 from pathlib import Path
 
 from nicegui import ui
@@ -120,10 +121,8 @@ def _hint(ports: list[str]) -> str:
 
 
 def _free(studio: Studio, stem: str) -> str:
-    number = 1
-    while (studio.workspace.root / f"{stem}-{number}").exists():
-        number += 1
-    return f"{stem}-{number}"
+    names = (f"{stem}-{number}" for number in itertools.count(1))
+    return next(name for name in names if not (studio.workspace.root / name).exists())
 
 
 async def _simulated_port(studio: Studio, sensor: str, program: Path) -> str:

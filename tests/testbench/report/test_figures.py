@@ -18,7 +18,7 @@ from testbench.diagnosis.verdict import with_probability
 from testbench.measurements.preparing import prepare
 from testbench.recordings.recording import Recording
 from testbench.report import overlays, sections, style, words
-from testbench.report.downsample import rows_to_draw, thinned, window
+from testbench.report.downsample import rows_to_draw, window
 from testbench.report.figures import (
     comparison_figures,
     compensator_figures,
@@ -117,11 +117,6 @@ def test_one_sample_spike_survives_downsampling() -> None:
     assert values[rows].max() == 9.0
     assert rows[0] == 0
     assert rows[-1] == 99_999
-
-
-def test_thinned_rows_span_the_whole_recording() -> None:
-    assert list(thinned(5, 10)) == [0, 1, 2, 3, 4]
-    assert list(thinned(101, 3)) == [0, 50, 100]
 
 
 def test_a_window_reaches_one_sample_beyond_each_edge() -> None:

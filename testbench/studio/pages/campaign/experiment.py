@@ -10,6 +10,7 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from gcode.support.files import copy_file
+from gcode.trajectories.trajectory import read_csv
 from testbench.comparing.words import spoken
 from testbench.report.figures import experiment_figures as figures
 from testbench.report.words import experiment_in_words
@@ -106,7 +107,7 @@ def _ask(studio: Studio, c: str, diagnosis: Mapping[str, Any], where: Address) -
 def _command(studio: Studio, c: str, limits: Mapping[str, str]) -> list[str]:
     argv = ["testbench", "experiment", "--diagnosis", str(asked_path(studio, c))]
     argv += ["--fit", str(studio.workspace.campaign(c).folder), *studio.effects.arguments()]
-    argv += models.same_held_out(studio, c)
+    argv += models.held_out_arguments(studio, models.held_out_of(studio, c))
     for option, value in limits.items():
         argv += [option, value]
     argv += ["--json", str(experiment_path(studio, c))]
@@ -114,7 +115,6 @@ def _command(studio: Studio, c: str, limits: Mapping[str, str]) -> list[str]:
 
 
 async def _answer(studio: Studio, c: str, found: Mapping[str, Any]) -> None:
-    from gcode.trajectories.trajectory import read_csv
 
     folder = studio.workspace.program(program_name(c))
     ui.label(experiment_in_words(found)).classes("verdict")

@@ -12,6 +12,7 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from testbench.comparing.words import listed, spoken
+from testbench.knit.catalogue import model_from_dict
 from testbench.report.figures import diagnosis_figures
 from testbench.report.figures import ladder_figures as figures
 from testbench.report.figures.comparison_figures import busiest_window
@@ -19,7 +20,7 @@ from testbench.report.parameter_table import parameter_table
 from testbench.report.provenance import moment
 from testbench.report.sections import fall_in_words
 from testbench.report.words import ladder_notes, verdict_in_words, with_unit
-from testbench.results.model_file import ModelFile
+from testbench.results.model_file import ModelFile, load_model_file
 from testbench.results.result_files import read_diagnosis
 from testbench.studio import models
 from testbench.studio.pages.campaign.compensate import score_path
@@ -71,7 +72,6 @@ class _Ladder:
     def __init__(self, studio: Studio, c: str, where: Address) -> None:
         from testbench.comparing.judged import held_samples
         from testbench.report.overlays import steps_in_resistance, steps_of, zero_in_words
-        from testbench.results.model_file import load_model_file
 
         self.studio, self.c, self.where = studio, c, where
         self.kohm = where.query["show"] == KOHM
@@ -150,7 +150,6 @@ class _Ladder:
 
     def _glance(self, step: int) -> dict:
         """The first model and that of `step` over the held-out samples."""
-        from testbench.knit.catalogue import model_from_dict
         from testbench.report.overlays import overlay_of
 
         catalogue = self.studio.effects.catalogue()

@@ -153,7 +153,7 @@ async def _law(law: proposed_law.FoundLaw, errors: Mapping[str, float]) -> None:
             _formula(line, svg)
         with ui.expansion("LaTeX").props("dense").classes("w-full"):
             ui.label(law.latex).classes("formula")
-    rows = [(*_named(law, key), _value(law, key, errors)) for key in law.parameters]
+    rows = [_parameter(law, key, errors.get(f"{law.effect}.{key}")) for key in law.parameters]
     table(("Symbol", "What it is", "Value"), rows, _evidence(law))
     if law.alternatives:
         others = [(other.words, _against(other, law)) for other in law.alternatives[:SHOWN]]
@@ -171,18 +171,11 @@ def _formula(line: str, svg: str) -> None:
         ui.label(words).classes("formula")
 
 
-def _named(law: proposed_law.FoundLaw, key: str) -> tuple[str, str]:
-    """Symbol and meaning of a parameter."""
+def _parameter(law: proposed_law.FoundLaw, key: str, error: float | None) -> tuple[str, str, str]:
+    """Symbol, meaning and value of a parameter."""
     symbol, _, meaning = law.meanings.get(key, "").partition(": ")
-    return symbol or spoken(key), meaning
-
-
-def _value(law: proposed_law.FoundLaw, key: str, errors: Mapping[str, float]) -> str:
     value, unit = law.parameters[key], law.units.get(key, "")
-    error = errors.get(f"{law.effect}.{key}")
-    if error:
-        return with_error(value, error, unit)
-    return in_words(value, unit)
+    return symbol or spoken(key), meaning, with_error(value, error, unit) if error else in_words(value, unit)
 
 
 def _evidence(law: proposed_law.FoundLaw) -> str:
