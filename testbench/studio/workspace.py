@@ -260,15 +260,12 @@ def _manifests(root: Path, depth: int) -> Iterator[tuple[str, os.stat_result]]:
         folder, level = pending.pop()
         with contextlib.suppress(OSError), os.scandir(folder) as entries:
             for entry in entries:
+                hidden = entry.name.startswith(".") or (level == 0 and entry.name == RESULTS)
                 if entry.name == MANIFEST and level:
                     if made := _stat_of(entry):
                         yield folder, made
-                elif level < depth and entry.is_dir(follow_symlinks=False) and not _is_hidden(entry.name, level):
+                elif level < depth and not hidden and entry.is_dir(follow_symlinks=False):
                     pending.append((entry.path, level + 1))
-
-
-def _is_hidden(name: str, level: int) -> bool:
-    return name.startswith(".") or (level == 0 and name == RESULTS)
 
 
 def results_name(name: str) -> str:

@@ -51,14 +51,8 @@ def write_figure(figure: style.Figure, path: str | Path) -> None:
 
     with rc_context(RC), atomic_path(path) as temporary:
         # Wide tick labels push the axis title out of the page: the page grows as far as needed.
-        drawing.savefig(
-            temporary,
-            dpi=2 * DOTS_PER_INCH,
-            format=suffix,
-            metadata=METADATA[suffix],
-            bbox_inches="tight",
-            pad_inches=0.05,
-        )
+        look: Any = {"dpi": 2 * DOTS_PER_INCH, "bbox_inches": "tight", "pad_inches": 0.05}
+        drawing.savefig(temporary, format=suffix, metadata=METADATA[suffix], **look)
 
 
 def check_figure(path: str | Path | None) -> None:

@@ -18,22 +18,14 @@ def _scatter(axes, trace: dict[str, Any], page: Page) -> None:
     label = trace.get("name") if trace.get("showlegend") else None
     alpha = trace.get("opacity", 1)
     if "lines" in mode:
-        axes.plot(
-            x,
-            y,
-            color=line.get("color", style.BLUE),
-            lw=line.get("width", 1.2) * 0.8,
-            ls=DASHES[line.get("dash", "solid")],
-            alpha=alpha,
-            label=label,
-        )
+        look = {"color": line.get("color", style.BLUE), "ls": DASHES[line.get("dash", "solid")]}
+        axes.plot(x, y, lw=line.get("width", 1.2) * 0.8, alpha=alpha, label=label, **look)
         label = None
     if "markers" in mode:
         size, symbol = marker.get("size", 6) * 0.72, SYMBOLS[marker.get("symbol", "circle")]
         look = {"marker": symbol, "color": marker.get("color", style.BLUE), "alpha": alpha, "label": label}
         axes.scatter(x, y, s=size**2, zorder=3, linewidths=0, edgecolors="none", **look)
-    if "error_x" in trace or "error_y" in trace:
-        _error_bars(axes, trace, x, y)
+    _error_bars(axes, trace, x, y)
 
 
 def _colour_bar(axes, mappable, settings: dict[str, Any], page: Page) -> None:
@@ -58,17 +50,11 @@ def _error_bars(axes, trace: dict[str, Any], x, y) -> None:
 def _bar(axes, trace: dict[str, Any], page: Page) -> None:
     flat = trace.get("orientation") == "h"
     along, length = (trace["y"], trace["x"]) if flat else (trace["x"], trace["y"])
-    colour = trace.get("marker", {}).get("color", style.BLUE)
-    look = {
-        "color": colour,
-        "label": trace.get("name") if trace.get("showlegend") else None,
-        "alpha": trace.get("opacity", 1),
-    }
-    width = trace.get("width", 0.8)
     along, length = np.asarray(along), np.asarray(length)
-    (axes.barh if flat else axes.bar)(along, length, width, **look)
-    if "error_x" in trace or "error_y" in trace:
-        _error_bars(axes, trace, *((length, along) if flat else (along, length)))
+    look = {"color": trace.get("marker", {}).get("color", style.BLUE), "alpha": trace.get("opacity", 1)}
+    look["label"] = trace.get("name") if trace.get("showlegend") else None
+    (axes.barh if flat else axes.bar)(along, length, trace.get("width", 0.8), **look)
+    _error_bars(axes, trace, *((length, along) if flat else (along, length)))
     for place, end, text in zip(along, length, trace.get("text", []), strict=False):
         look = {"xytext": (0, 2), "textcoords": "offset points", "ha": "center", "va": "bottom", "fontsize": 8}
         axes.annotate(plain(str(text)), (place, end), **look)

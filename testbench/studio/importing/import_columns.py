@@ -17,7 +17,6 @@ from testbench.studio.importing.import_look import (
     SEPARATORS,
     THOUSANDS,
     column_options,
-    known,
     still_to_say,
     unit_key,
     unit_options,
@@ -54,7 +53,8 @@ class Columns:
                 ("thousands", "Thousands", THOUSANDS),
                 ("encoding", "Encoding", ENCODINGS),
             ):
-                choice = ui.select(options, value=known(options, self.choices.hints.get(name)), label=label)
+                hint = self.choices.hints.get(name)
+                choice = ui.select(options, value=hint if hint in options else "", label=label)
                 choice.style("width:140px")
                 choice.on_value_change(partial(self._hinted, name))
             if self.choices.path.suffix.lower() in (".xlsx", ".xlsm", ".tdms"):

@@ -22,11 +22,6 @@ THOUSANDS = {"": "found", ",": "comma", ".": "point", "'": "apostrophe"}
 ENCODINGS = {"": "found", "utf-8": "UTF-8", "cp1252": "Windows, Latin-1", "gb18030": "GBK", "shift_jis": "Shift-JIS"}
 
 
-def known(options: dict[str, str], chosen: object) -> str:
-    """What was chosen, if it is one of the options; else the empty one, which means that it is found."""
-    return str(chosen) if str(chosen) in options else ""
-
-
 def look_at(choices: Choices) -> Seen:
     """The file, what its columns would be taken for, and by role one value as it would be read."""
     from testbench.importing.columns import previewed

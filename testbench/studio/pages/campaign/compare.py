@@ -130,7 +130,7 @@ def _choose(studio: Studio, c: str, on: str, where: Address, held: str) -> None:
             f"A model is compared with recordings of its own gauge length; that of {c} has {_gauge_in_words(own)}, "
             f"and {on} has {_gauge_in_words(there)}. The tab Compare offers those that fit."
         )
-    names = {name: f"{name} ({_role(name, c, held)})" if _role(name, c, held) else name for name in others}
+    names = {name: f"{name} ({role})" if (role := _role(name, c, held)) else name for name in others}
     models = {"": "(none)", **beside_choices(studio, c)}
     beside = where.query["beside"] if where.query["beside"] in models else ""
     with ui.row().classes("items-center justify-between w-full"):

@@ -60,11 +60,6 @@ def page(studio: Studio, c: str = "", target: str = "force") -> None:
         _downloads(studio, c, target)
 
 
-def _judged_on(summary: dict[str, Any]) -> str:
-    number, kind = summary["recordings"], summary["over"]
-    return f"on the {kind} recording" if number == 1 else f"mean of {number} {kind} recordings"
-
-
 def compensator_path(studio: Studio, c: str, target: str) -> Path:
     """Where the compensator of a campaign is kept."""
     return studio.workspace.results(c) / f"{target}.compensator.json"
@@ -198,9 +193,11 @@ def _show(score: Mapping[str, Any], target: str) -> None:
 
 def _facts(score: Mapping[str, Any]) -> None:
     summary = score["summary"]
+    number, kind = summary["recordings"], summary["over"]
+    judged = f"on the {kind} recording" if number == 1 else f"mean of {number} {kind} recordings"
     facts(
         [
-            (f"r² after compensation, {_judged_on(summary)}", f"{summary['r2_after']:.3f}"),
+            (f"r² after compensation, {judged}", f"{summary['r2_after']:.3f}"),
             ("r² of the raw conductance", f"{summary['r2_before']:.3f}"),
             ("gained by compensation", f"{summary['gain']:+.3f}"),
             ("parameters of the network", str(score["compensator"]["parameters"])),

@@ -93,8 +93,12 @@ def _ask(studio: Studio, c: str, diagnosis: Mapping[str, Any], where: Address) -
 
     def start() -> None:
         check(strain, minutes, speed, acceleration)
-        limits = {"--strain-max": typed(strain), "--v-max": typed(speed), "--a-max": typed(acceleration)}
-        argv = _command(studio, c, limits | {"--duration-s": f"{60 * minutes.value:.12g}"})
+        argv = ["testbench", "experiment", "--diagnosis", str(asked_path(studio, c))]
+        argv += ["--fit", str(studio.workspace.campaign(c).folder), *studio.effects.arguments()]
+        argv += models.held_out_arguments(studio, models.held_out_of(studio, c))
+        argv += ["--strain-max", typed(strain), "--v-max", typed(speed), "--a-max", typed(acceleration)]
+        argv += ["--duration-s", f"{60 * minutes.value:.12g}", "--json", str(experiment_path(studio, c))]
+        argv += ["-o", str(studio.workspace.program(program_name(c)))]
         if not studio.jobs.under_way(key):
             experiment_path(studio, c).unlink(missing_ok=True)  # it may be of another diagnosis
             copy_file(models.diagnosis_path(studio, c), asked_path(studio, c))
@@ -102,16 +106,6 @@ def _ask(studio: Studio, c: str, diagnosis: Mapping[str, Any], where: Address) -
         run_in_turn(studio, key, [(title, argv)], holder, ui.navigate.reload)
 
     join_running(studio, key, holder, ui.navigate.reload)
-
-
-def _command(studio: Studio, c: str, limits: Mapping[str, str]) -> list[str]:
-    argv = ["testbench", "experiment", "--diagnosis", str(asked_path(studio, c))]
-    argv += ["--fit", str(studio.workspace.campaign(c).folder), *studio.effects.arguments()]
-    argv += models.held_out_arguments(studio, models.held_out_of(studio, c))
-    for option, value in limits.items():
-        argv += [option, value]
-    argv += ["--json", str(experiment_path(studio, c))]
-    return [*argv, "-o", str(studio.workspace.program(program_name(c)))]
 
 
 async def _answer(studio: Studio, c: str, found: Mapping[str, Any]) -> None:

@@ -163,9 +163,8 @@ class _Ladder:
 
     def _buttons(self, last: int) -> None:
         holder = ui.column().classes("w-full")
-        with holder:
-            self._written()
-        join_running(self.studio, f"report:{self.c}", holder, partial(self._link_to_it, holder))
+        self._written(holder)
+        join_running(self.studio, f"report:{self.c}", holder, partial(self._written, holder))
         join_running(self.studio, f"model:{self.c}", holder, ui.navigate.reload)
         with ui.row():
             undo = button("Undo the last step", "undo", lambda: self._undo(holder), "outline")
@@ -174,12 +173,12 @@ class _Ladder:
             button("Report", "description", lambda: self._report(holder), "outline")
             download_button("Model as JSON", models.model_path(self.studio, self.c))
 
-    def _written(self) -> None:
+    def _written(self, holder: ui.column) -> None:
         """The report that was written last, where there is one."""
         path = self.studio.workspace.results(self.c) / REPORT
         if not path.is_file():
             return
-        with ui.row().classes("items-center gap-3"):
+        with holder, ui.row().classes("items-center gap-3"):
             ui.icon("description").classes("quiet")
             ui.link("Open the report", report_url(self.studio, path), new_tab=True).classes("way")
             ui.label(f"of {moment(path.stat().st_mtime)}").classes("quiet text-sm")
@@ -202,11 +201,7 @@ class _Ladder:
         argv += _if_there("--compensator", score_path(self.studio, self.c, "force"))
         argv += _if_there("--commands", self.studio.commands_path(self.c))
         command = (f"Writing the report of {self.c}", [*argv, "-o", str(output)])
-        run_in_turn(self.studio, f"report:{self.c}", [command], holder, partial(self._link_to_it, holder))
-
-    def _link_to_it(self, holder: ui.column) -> None:
-        with holder:
-            self._written()
+        run_in_turn(self.studio, f"report:{self.c}", [command], holder, partial(self._written, holder))
 
 
 def report_url(studio: Studio, path: Path) -> str:

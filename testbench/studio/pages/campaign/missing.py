@@ -229,8 +229,9 @@ class _Candidates:
         models.check_is_lacking(self.studio, self.c, [entry["law"]])
         done = partial(ui.navigate.to, address("/ladder", c=self.c))
         found = [one["law"] for one in self.diagnosis["found"]]
+        misfits = self.diagnosis.get("other_laws") or self.diagnosis.get("base_misfits")
         # What the diagnosis has refitted already need not be fitted again: all that it found, or the shapes alone.
-        if self._is_fresh() and (found == [entry["law"]] or (not found and self._base_misfits())):
+        if self._is_fresh() and (found == [entry["law"]] or (not found and misfits)):
             models.adopt_diagnosed(self.studio, self.c, self.diagnosis)
             if found:
                 done()
@@ -238,10 +239,6 @@ class _Candidates:
         path = models.model_path(self.studio, self.c)
         laws = laws_with(self.diagnosis, entry["law"], path, self.studio.effects.catalogue())
         models.add_laws(self.studio, self.c, laws, self.diagnosis, self.holder, done)
-
-    def _base_misfits(self) -> bool:
-        """Whether the base needs other laws or shapes, whatever else is missing."""
-        return bool(self.diagnosis.get("other_laws") or self.diagnosis.get("base_misfits"))
 
     def _is_fresh(self) -> bool:
         """Whether the diagnosis was made of the model as it is now, and its own model is there."""

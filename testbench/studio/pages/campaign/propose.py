@@ -83,7 +83,8 @@ def _ask(studio: Studio, c: str) -> None:
 async def _answer(studio: Studio, c: str, kept: proposed_law.Kept) -> None:
     found = kept.found
     with ui.column().classes("card gap-2"):
-        ui.label(_verdict(found)).classes("verdict")
+        proposed = f"Proposed: {'; then '.join(law.words for law in found.laws)}."
+        ui.label(VERDICTS.get(found.verdict, proposed)).classes("verdict")
         if found.rejected:
             ui.label(f"Found, but not held: {found.rejected.words}.").classes("quiet")
         for note in found.not_judged:
@@ -99,12 +100,6 @@ async def _answer(studio: Studio, c: str, kept: proposed_law.Kept) -> None:
         _picture(studio, kept)
     with ui.expansion("The effect file", icon="code").classes("card").style("padding:0"):
         ui.label(kept.code).classes("formula")
-
-
-def _verdict(found: proposed_law.Proposal) -> str:
-    if found.verdict != "proposed":
-        return VERDICTS[found.verdict]
-    return f"Proposed: {'; then '.join(law.words for law in found.laws)}."
 
 
 def _errors(found: proposed_law.Proposal) -> list[tuple[str, str]]:
