@@ -14,8 +14,7 @@ from nicegui import ui
 from gcode.support.errors import UserError
 from testbench.recordings.manifest import CSV, IN_PROGRESS
 from testbench.recordings.recording import Recording
-from testbench.report.figures.recording_figures import summary
-from testbench.report.figures.thumbnail import thumbnail
+from testbench.report.figures.recording_figures import summary, thumbnail
 from testbench.studio.finding import STATES, Found
 from testbench.studio.memory import stamp
 from testbench.studio.notes import Note, tags_of

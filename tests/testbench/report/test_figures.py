@@ -30,7 +30,6 @@ from testbench.report.figures import (
     recording_figures,
     residual_figures,
 )
-from testbench.report.figures.thumbnail import thumbnail
 from testbench.report.story import glance_facts
 from testbench.report.style import Figure
 from testbench.report.writing.static import draw, draw_on, write_figure
@@ -248,13 +247,13 @@ def test_a_day_of_a_hold_is_told_in_hours_and_its_noise_drawn_as_a_line() -> Non
     hold = Recording(time_s, {"displacement_mm": 10.0 * (time_s > 400), "force_N": force_N}, 25.0, "hold.csv")
     told = dict(recording_figures.summary(hold))
     assert (told["Duration"], told["Samples"]) == ("24.0 h", "21 600 at 0.25 Hz")
-    force = re.findall(r'points="([^"]*)"', thumbnail(hold))[1]
+    force = re.findall(r'points="([^"]*)"', recording_figures.thumbnail(hold))[1]
     heights = [float(point.split(",")[1]) for point in force.split()]
     assert max(heights) - min(heights) < 3
 
 
 def test_thumbnail_is_one_small_svg() -> None:
-    picture = thumbnail(samples.recording())
+    picture = recording_figures.thumbnail(samples.recording())
     assert picture.startswith("<svg")
     assert picture.count("<polyline") == 2
     assert "<path" in picture
