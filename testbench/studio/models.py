@@ -277,13 +277,6 @@ def add_laws(
     change_model(studio, c, [add_command(studio, c, law) for law in wanted], holder, done)
 
 
-def undo_command(studio: Studio, c: str) -> tuple[str, list[str]]:
-    """Take the last step of the ladder back."""
-    model = str(model_path(studio, c))
-    argv = ["testbench", "add", "--undo", "--model", model, *studio.effects.arguments()]
-    return "Taking the last step back", [*argv, "-o", model]
-
-
 def change_model(studio: Studio, c: str, commands: Commands, holder: ui.column, done: Callable[[], None]) -> None:
     """Run commands that change the model of a campaign; see `run_in_turn`.
 

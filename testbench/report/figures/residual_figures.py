@@ -113,30 +113,19 @@ def heat_maps(both: Overlay) -> style.Figure:
     panels = [("Strain / %", "Strain rate / %/s" if i == 0 else "") for i in range(len(both.measured))]
     traces = []
     for column, channel in enumerate(both.measured):
-        cells = _heat(100 * both.strain[inside], 100 * rate[inside], both.residual(channel)[inside])
+        x, y, z = _heat(100 * both.strain[inside], 100 * rate[inside], both.residual(channel)[inside])
         bar_x = (1.0 if column == len(both.measured) - 1 else 0.42) + 0.01
         bar = {"title": {"text": PANEL_UNITS[channel]}, "thickness": 10, "outlinewidth": 0, "x": bar_x}
-        traces.append(_heat_map(*cells) | {**style.place(column), "colorbar": bar})
+        size = float(np.nanquantile(np.abs(z), 0.98)) if np.isfinite(z).any() else 1.0
+        look = {"colorscale": style.DIVERGING, "zmin": -size, "zmax": size, "colorbar": bar}
+        look["hovertemplate"] = "strain %{x:.1f} %, rate %{y:.2f} %/s: %{z:.3g}<extra></extra>"
+        traces.append({"type": "heatmap", "x": x, "y": y, "z": z, **look, **style.place(column)})
     axes = style.side_by_side_axes(panels, gap=0.16)
     notes = [
         style.note(f"<b>Residual of the {channel}</b>", index * 0.58, 1.0, xanchor="left", yanchor="bottom")
         for index, channel in enumerate(both.measured)
     ]
     return style.figure(traces, height=360, margin={"l": 64, "r": 80, "t": 36, "b": 44}, annotations=notes, **axes)
-
-
-def _heat_map(x: FloatArray, y: FloatArray, z: FloatArray) -> dict[str, Any]:
-    size = float(np.nanquantile(np.abs(z), 0.98)) if np.isfinite(z).any() else 1.0
-    return {
-        "type": "heatmap",
-        "x": x,
-        "y": y,
-        "z": z,
-        "zmin": -size,
-        "zmax": size,
-        "colorscale": style.DIVERGING,
-        "hovertemplate": "strain %{x:.1f} %, rate %{y:.2f} %/s: %{z:.3g}<extra></extra>",
-    }
 
 
 def _heat(x: FloatArray, y: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -84,7 +84,8 @@ class JobBoard:
 
     def _adopt(self, key: str) -> None:
         """Take in a job that lives and that this board does not know: an earlier studio has started it."""
-        about = self._outliving[key].living() if key in self._outliving else None
+        outliving = self._outliving.get(key)
+        about = outliving.last() if outliving and outliving.alive() else None
         if about is None or any(job.key == key and (job.running or job.about == about) for job in self.jobs):
             return
         job = Job(key, about.title, about.argv, about=about)

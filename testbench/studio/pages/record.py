@@ -51,7 +51,10 @@ class _Form:
                 self._rig(programs)
             with ui.row().classes("items-center"):
                 self._campaign()
-            ui.label(_hint(ports_here())).classes("quiet text-sm")
+            ports = ", ".join(ports_here())
+            seen = f"Serial devices here: {ports}." if ports else "No serial device is plugged in here now."
+            under = "Beyond a limit the recording stops. The motion starts when the machine runs the program."
+            ui.label(f"{seen} {under}").classes("quiet text-sm")
             button("Record", "fiber_manual_record", self.start, "unelevated color=accent")
 
     def _rig(self, programs: list[str]) -> None:
@@ -113,11 +116,6 @@ def ports_here() -> list[str]:
     from serial.tools.list_ports import comports
 
     return sorted(port.device for port in comports() if port.hwid != "n/a")
-
-
-def _hint(ports: list[str]) -> str:
-    seen = f"Serial devices here: {', '.join(ports)}." if ports else "No serial device is plugged in here now."
-    return f"{seen} Beyond a limit the recording stops. The motion starts when the machine runs the program."
 
 
 def _free(studio: Studio, stem: str) -> str:

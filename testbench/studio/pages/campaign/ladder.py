@@ -186,7 +186,9 @@ class _Ladder:
             download_button("Download", path, name, "flat dense")
 
     def _undo(self, holder: ui.column) -> None:
-        command = models.undo_command(self.studio, self.c)
+        model = str(models.model_path(self.studio, self.c))
+        argv = ["testbench", "add", "--undo", "--model", model, *self.studio.effects.arguments(), "-o", model]
+        command = ("Taking the last step back", argv)
         models.change_model(self.studio, self.c, [command], holder, ui.navigate.reload)
 
     def _report(self, holder: ui.column) -> None:

@@ -94,7 +94,12 @@ async def _answer(studio: Studio, diagnosis: Mapping[str, Any], where: Address) 
     if not nothing:
         with ui.row():
             if len(ranking) > 1:
-                _experiment(c, diagnosis)
+                # The way out of a tie: an experiment that separates the rivals.
+                tied = len(diagnosis.get("tied") or []) > 1
+                words = (
+                    f"Design {'the experiment that tells them apart' if tied else 'an experiment on the first two'}"
+                )
+                way_on(words, "science", address("/experiment", c=c), "unelevated" if tied else "flat")
             # The way out where no effect fits: a law of its own.
             look = "unelevated" if diagnosis["verdict"] == "unknown" else "flat"
             way_on("Propose a law", "auto_awesome", address("/propose", c=c), look)
@@ -117,13 +122,6 @@ def _better_law(studio: Studio, c: str, diagnosis: Mapping[str, Any]) -> None:
     start = partial(models.add_laws, studio, c, laws, diagnosis, holder, done)
     names = " and ".join(spoken(law) for law in laws)
     button(f"Use {names}", "swap_horiz", start)
-
-
-def _experiment(c: str, diagnosis: Mapping[str, Any]) -> None:
-    """The way out of a tie: an experiment that separates the rivals."""
-    tied = len(diagnosis.get("tied") or []) > 1
-    words = "Design the experiment that tells them apart" if tied else "Design an experiment on the first two"
-    way_on(words, "science", address("/experiment", c=c), "unelevated" if tied else "flat")
 
 
 class _Candidates:
