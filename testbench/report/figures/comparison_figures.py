@@ -189,7 +189,8 @@ def modelled_loops(both: Overlay) -> style.Figure:
     """Hysteresis loops of a few stretches, modelled over measured: force and ln G over strain."""
     names = ["measured", *both.modelled]
     colours = [style.MEASURED, *(model_colour(i, len(both.modelled)) for i in range(len(both.modelled)))]
-    parts = [unbroken(part, both.time_s, both.gaps) for part in stretches(both.time_s, both.strain, LOOPS)]
+    whole, windows = np.arange(len(both.time_s)), stretches(both.time_s, both.strain, LOOPS)
+    parts = [unbroken(whole[part], both.time_s, both.gaps) for part in windows]
     rows = np.concatenate([np.append(part, -1) for part in parts])[:-1]  # -1 lies between two of them
     strain_percent = at_rows(100 * both.strain, rows)
     traces = []

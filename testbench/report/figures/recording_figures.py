@@ -114,7 +114,9 @@ def hysteresis_loops(recording: Recording, resistance: bool = False) -> style.Fi
         for rows, colour in zip(windows, colours, strict=True):
             name = duration_in_words(float(recording.time_s[rows.start] - recording.time_s[0]))
             every = max(1, (rows.stop - rows.start) // points)
-            few = unbroken(slice(rows.start, rows.stop, every), recording.time_s, recording.gaps)
+            ends = [rows.start + end(values[rows]) for values in (x, y) for end in (np.argmin, np.argmax)]
+            kept = np.union1d(np.arange(rows.start, rows.stop, every), ends)
+            few = unbroken(kept, recording.time_s, recording.gaps)
             traces.append(style.curve(at_rows(x, few), at_rows(y, few), colour, column, name=name, **shown))
     axes = style.side_by_side_axes([(x_title, y_title) for x_title, y_title, _, _ in panels])
     return style.figure(traces, height=400, **axes)
@@ -169,9 +171,8 @@ def _motion(recording: Recording) -> FloatArray:
     return recording[DISPLACEMENT if recording.has(DISPLACEMENT) else FORCE]
 
 
-def unbroken(part: slice, time_s: FloatArray, gaps: Sequence[tuple[float, float]]) -> NDArray[np.intp]:
+def unbroken(rows: NDArray[np.intp], time_s: FloatArray, gaps: Sequence[tuple[float, float]]) -> NDArray[np.intp]:
     """The rows of a stretch, with -1 between two of them where nothing was recorded; see `at_rows`."""
-    rows = np.arange(part.start, part.stop, part.step or 1, dtype=np.intp)
     cuts = np.searchsorted(time_s[rows], [end_s for _, end_s in gaps])
     return np.insert(rows, cuts[(cuts > 0) & (cuts < len(rows))], -1)
 

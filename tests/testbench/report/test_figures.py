@@ -179,7 +179,7 @@ def test_loops_are_broken_where_nothing_was_recorded():
     short = both.within(both.time_s < 60.0)  # one stretch
     for one in comparison_figures.modelled_loops(short)["data"]:
         assert np.isnan(one["y"]).sum() == np.isnan(one["x"]).sum() == 1
-    rows = recording_figures.unbroken(slice(0, 6, 2), np.array([0.0, 1, 2, 9, 10, 11]), [(2.0, 9.0)])
+    rows = recording_figures.unbroken(np.arange(0, 6, 2), np.array([0.0, 1, 2, 9, 10, 11]), [(2.0, 9.0)])
     assert rows.tolist() == [0, 2, -1, 4]
 
 
@@ -250,6 +250,18 @@ def test_a_day_of_a_hold_is_told_in_hours_and_its_noise_drawn_as_a_line() -> Non
     force = re.findall(r'points="([^"]*)"', recording_figures.thumbnail(hold))[1]
     heights = [float(point.split(",")[1]) for point in force.split()]
     assert max(heights) - min(heights) < 3
+
+
+def test_a_loop_keeps_the_peak_of_a_quick_pull_before_a_day_of_a_hold() -> None:
+    time_s = np.arange(21_600) * 4.0
+    pull = np.minimum(time_s / 300, 1.0)
+    force_N = 4 * pull * np.exp(-np.maximum(time_s - 300, 0) / 600)
+    hold = Recording(time_s, {"displacement_mm": 10.0 * pull, "force_N": force_N}, 25.0, "hold.csv")
+    drawn = recording_figures.hysteresis_loops(hold)
+    assert drawn
+    (loop,) = drawn["data"]
+    assert len(loop["y"]) < 2000
+    assert loop["y"].max() == force_N.max()
 
 
 def test_thumbnail_is_one_small_svg() -> None:
