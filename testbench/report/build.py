@@ -44,9 +44,6 @@ def build_report(given: Inputs) -> Report:
         for n, recording in enumerate(given.recordings, 1)
     ]
     parts.append(provenance(given.files, given.commands))
-    return Report(_title(given), verdict, opening, parts, f"Made by knitbench {knitbench_version()}.", moment())
-
-
-def _title(given: Inputs) -> str:
     names = ", ".join(sections.short_name(recording.source) for recording in given.recordings)
-    return given.title or names or (Path(given.files[0]).stem if given.files else "Report")
+    title = given.title or names or (Path(given.files[0]).stem if given.files else "Report")
+    return Report(title, verdict, opening, parts, f"Made by knitbench {knitbench_version()}.", moment())

@@ -26,16 +26,9 @@ def rows_to_draw(values: FloatArray, points: int = POINTS) -> NDArray[np.intp]:
     return np.union1d(rows.astype(np.intp), [0, len(values) - 1])
 
 
-def thinned(count: int, points: int) -> NDArray[np.intp]:
-    """Evenly spaced rows for pictures without a time axis (loops, scatter), shape (<= points,)."""
-    if count <= points:
-        return np.arange(count, dtype=np.intp)
-    return np.linspace(0, count - 1, points).round().astype(np.intp)
-
-
-def liveliest(time_s: FloatArray, energy: FloatArray, length_s: float, least: int = LEAST) -> tuple[float, float]:
-    """The stretch of `length_s`, of at least so many samples, that holds most of `energy`, shape (n,); the first."""
-    width = min(len(time_s), max(round(length_s / float(np.median(np.diff(time_s)))), least))
+def liveliest(time_s: FloatArray, energy: FloatArray, length_s: float) -> tuple[float, float]:
+    """The stretch of `length_s`, of at least `LEAST` samples, that holds most of `energy`, shape (n,); the first."""
+    width = min(len(time_s), max(round(length_s / float(np.median(np.diff(time_s)))), LEAST))
     sums = np.concatenate([[0.0], np.cumsum(energy)])
     start = int(np.argmax(sums[width:] - sums[:-width]))
     return float(time_s[start]), float(time_s[start + width - 1])

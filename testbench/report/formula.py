@@ -16,13 +16,6 @@ def lines_of(latex: str) -> list[str]:
     return [part.strip().rstrip(",") for part in latex.split(r"\quad") if part.strip()]
 
 
-def respelt(line: str) -> str:
-    """The line as matplotlib spells it, which drops the spaces between words."""
-    line = line.replace(r"\tfrac", r"\frac")
-    line = WORDS.sub(lambda words: rf"\mathrm{{{words[1]}}}".replace(" ", r"\ "), line)
-    return RELATION.sub(r"\\;{\1}\\!{=}\\;", line)
-
-
 def formula_svg(line: str) -> str:
     """One line without dollar signs as SVG, its letters drawn as outlines; empty where matplotlib cannot read it."""
     from matplotlib import mathtext
@@ -30,10 +23,14 @@ def formula_svg(line: str) -> str:
 
     if len(line) > LONGEST or "$" in line:
         return ""
+    # As matplotlib spells it, which drops the spaces between words.
+    line = line.replace(r"\tfrac", r"\frac")
+    line = WORDS.sub(lambda words: rf"\mathrm{{{words[1]}}}".replace(" ", r"\ "), line)
+    line = RELATION.sub(r"\\;{\1}\\!{=}\\;", line)
     drawn = io.BytesIO()
     font = FontProperties(size=SIZE_PT, math_fontfamily="dejavuserif")
     try:
-        mathtext.math_to_image(f"${respelt(line)}$", drawn, format="svg", prop=font)
+        mathtext.math_to_image(f"${line}$", drawn, format="svg", prop=font)
     except (ValueError, RuntimeError):
         return ""
     _, start, rest = drawn.getvalue().decode("utf-8").partition("<svg")

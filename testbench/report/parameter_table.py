@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from pydantic.fields import FieldInfo
@@ -86,14 +86,9 @@ def doubts(address: str, fit: Mapping[str, Any]) -> list[str]:
     """Why a value should not be trusted; empty where nothing speaks against it."""
     told = doubted(fit).get(address)
     found = [told] if told else []
-    others = [_other(address, pair) for pair in fit.get("correlated", ())]
-    twins = [parameter_name(other) for other in others if other and "[" not in other]
+    pairs = [pair[:2] for pair in fit.get("correlated", ()) if address in pair[:2]]
+    others = [second if first == address else first for first, second in pairs]
+    twins = [parameter_name(other) for other in others if "[" not in other]
     if twins:
         found.append(f"hardly told from {' and '.join(twins)}")
     return found
-
-
-def _other(address: str, pair: Sequence[Any]) -> str:
-    """The partner of `address` in a correlated pair; empty where it is not of the pair."""
-    first, second = pair[:2]
-    return {first: second, second: first}.get(address, "")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from testbench.comparing.cell import Cell
 from testbench.comparing.numbers import over_noise, plain
 from testbench.comparing.words import percent, spoken
 from testbench.recordings.manifest import CSV
@@ -27,7 +28,6 @@ from testbench.report.figures.ladder_figures import Step
 from testbench.report.words import PANEL_UNITS
 
 if TYPE_CHECKING:
-    from testbench.comparing.cell import Cell
     from testbench.comparing.compare import Comparison
 
 

@@ -66,28 +66,18 @@ class Story:
 
     Attributes
     ----------
+    given : Inputs
     file : ModelFile
         The model that the user keeps, or a diagnosis's own.
-    catalogue : Catalogue
-        Effects of all models of the ladder.
-    diagnoses : tuple of mapping
-        JSON of ``testbench diagnose``, the oldest first.
     steps : list of Step
     judged : Measurement or None
         The held-out samples, where a recording was given.
-    from_file : bool
-        The model is one that the user keeps, not a diagnosis's own.
-    resistance : bool
-        Show the resistance in kΩ instead of ln G.
     """
 
+    given: Inputs
     file: ModelFile
-    catalogue: Catalogue
-    diagnoses: tuple[Mapping[str, Any], ...]
     steps: list[Step]
     judged: Measurement | None
-    from_file: bool
-    resistance: bool
 
     @classmethod
     def of(cls, given: Inputs) -> Story:
@@ -109,13 +99,13 @@ class Story:
             judged = held_samples(file, first, other)
             if given.resistance:
                 steps = steps_in_resistance(file, given.catalogue, judged)
-        return cls(file, given.catalogue, given.diagnoses, steps, judged, given.model is not None, given.resistance)
+        return cls(given, file, steps, judged)
 
     def verdict(self) -> str:
         """The one sentence, or two: what was gained so far, and what a diagnosis that is still open says."""
-        last = self.diagnoses[-1] if self.diagnoses else None
+        last = self.given.diagnoses[-1] if self.given.diagnoses else None
         asked = words.verdict_in_words(last) if last else ""
-        if len(self.steps) < 2 or not self.from_file:
+        if len(self.steps) < 2 or not self.given.model:
             return asked or "One model, fitted; no effect has been added yet."
         first, now = self.steps[0], self.steps[-1]
         added = words.listed([words.spoken(step.label.removeprefix("+ ")) for step in self.steps[1:]])
@@ -133,14 +123,14 @@ class Story:
             return []
         items: list[Item] = [Facts(glance_facts(self.steps))]
         if self.judged:
-            inside = self._seen(overlay_of(self.judged, models_of(self.file, self.catalogue), free_offset=True))
+            inside = self._seen(overlay_of(self.judged, models_of(self.file, self.given.catalogue), free_offset=True))
             figure = ladder_figures.at_a_glance(inside, self.steps, busiest_window(inside))
             items.append(Picture("at-a-glance", figure, ladder_figures.GLANCE_CAPTION))
         return items
 
     def parts(self) -> list[Section]:
         """Diagnoses, ladder, what is still wrong, parameters."""
-        found = [self._asked(number, one) for number, one in enumerate(self.diagnoses, 1)]
+        found = [self._asked(number, one) for number, one in enumerate(self.given.diagnoses, 1)]
         if self.steps:
             found.append(sections.ladder_section(self.steps, zero_in_words(self.file)))
         if self.judged:
@@ -150,11 +140,11 @@ class Story:
 
     def _asked(self, number: int, diagnosis: Mapping[str, Any]) -> Section:
         """A diagnosis: an open question, or why a step was taken."""
-        if self.from_file and self.has_taken(diagnosis):
+        if self.given.model and self.has_taken(diagnosis):
             first = diagnosis["ranking"][0]["effect"] if diagnosis["verdict"] == "missing" else "another law"
             title = f"Why {words.spoken(first)} was added"
         else:
-            title = "What is missing" if len(self.diagnoses) == 1 else "What is missing now"
+            title = "What is missing" if len(self.given.diagnoses) == 1 else "What is missing now"
         return sections.diagnosis_section(diagnosis, title, "" if number == 1 else f"-{number}")
 
     def _comparison(self, judged: Measurement) -> Section:
@@ -168,7 +158,7 @@ class Story:
         """What is shown of an overlay: the samples that count, as resistance where that is asked for."""
         assert self.judged is not None
         inside = both.within(self.judged.counts)
-        return inside.in_resistance() if self.resistance else inside
+        return inside.in_resistance() if self.given.resistance else inside
 
 
 def _file_of(diagnosis: Mapping[str, Any], catalogue: Catalogue) -> ModelFile:

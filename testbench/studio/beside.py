@@ -78,35 +78,26 @@ def beside_of(studio: Studio, c: str, wanted: str) -> Beside:
     return Beside(known[wanted], file.model, file.fit, path)
 
 
-def side_by_side(first: Beside, label: str, model: KnitModel, fit: Mapping[str, Any]) -> Table:
-    """Parameters of two models, one a column; a value that should be doubted stands in brackets."""
+def side_by_side(*sides: tuple[str, Mapping[str, Any], KnitModel | None]) -> Table:
+    """Parameters of models, one a column; a value that should be doubted stands in brackets.
+
+    A side is its label, its fit and, where that does not hold all of its parameters, the model itself.
+    """
+    fits = [fit.get("parameters", {}) for _, fit, _ in sides]
+    units = {key: str(entry["unit"]) for fit in fits for key, entry in fit.items() if "[" not in key}
     rows = [
-        (parameter_name(key), value_in_words(first.model, first.fit, key, fit), value_in_words(model, fit, key, fit))
-        for key in parameters_of(first.fit, fit)
+        (parameter_name(key), *(value_in_words(key, unit, fit, model) for _, fit, model in sides))
+        for key, unit in units.items()
     ]
-    return Table(("Parameter", first.label, label), rows, IN_BRACKETS)
+    return Table(("Parameter", *(label for label, _, _ in sides)), rows, IN_BRACKETS)
 
 
-def parameters_of(*fits: Mapping[str, Any]) -> list[str]:
-    """The parameters that any of the fits has, each once, without the weights of shapes."""
-    return list(dict.fromkeys(key for fit in fits for key in fit.get("parameters", {}) if "[" not in key))
-
-
-def value_in_words(model: KnitModel, fit: Mapping[str, Any], key: str, other: Mapping[str, Any]) -> str:
+def value_in_words(key: str, unit: str, fit: Mapping[str, Any], model: KnitModel | None) -> str:
     """A parameter's value and error; the value alone where no error is kept, nothing where the model has none."""
-    if key in fit.get("parameters", {}):
-        return fitted_value(fit, key)
-    effect, _, name = key.partition(".")
-    value = getattr(model[effect], name, None) if effect in model else None
-    if not isinstance(value, int | float):
-        return ""
-    return in_words(value, str(other["parameters"][key]["unit"]))
-
-
-def fitted_value(fit: Mapping[str, Any], key: str) -> str:
-    """A fitted parameter's value and error, in brackets where it should be doubted; empty where it is not there."""
     entry = fit.get("parameters", {}).get(key)
-    if entry is None:
-        return ""
-    text = with_error(float(entry["value"]), float(entry["standard_error"]), str(entry["unit"]))
-    return f"({text})" if doubts(key, fit) else text
+    if entry is not None:
+        text = with_error(float(entry["value"]), float(entry["standard_error"]), unit)
+        return f"({text})" if doubts(key, fit) else text
+    effect, _, name = key.partition(".")
+    value = getattr(model[effect], name, None) if model and effect in model else None
+    return in_words(value, unit) if isinstance(value, int | float) else ""

@@ -32,19 +32,13 @@ class Follower:
         lines = self._tail.fresh()
         if not self.names and lines:
             self.names = lines.pop(0).split(",")
-        return self._take(lines)
-
-    def _take(self, lines: list[str]) -> bool:
         rows = [line.split(",") for line in lines]
         rows = [row for row in rows if len(row) == len(self.names)]
         if not rows:
             return False
         fresh = np.array(rows, dtype=np.float64)
-        if self.envelope is None:
-            self.envelope = Envelope(len(self.names))
-            self.recent = fresh
-        else:
-            self.recent = np.concatenate([self.recent, fresh])
+        self.recent = np.concatenate([self.recent, fresh]) if self.envelope else fresh
+        self.envelope = self.envelope or Envelope(len(self.names))
         self.envelope.add(fresh)
         first = np.searchsorted(self.recent[:, 0], self.recent[-1, 0] - RECENT_S)
         self.recent = self.recent[first:]
@@ -69,19 +63,15 @@ class Envelope:
         """Take in samples, shape (n, columns)."""
         while len(rows):
             if self.used == 0 or self._filled == self.width:
-                self._begin()
+                if self.used == BUCKETS:
+                    self._halve()
+                self.used, self._filled = self.used + 1, 0
             part = rows[: self.width - self._filled]
             last = self.used - 1
             self.low[last] = np.minimum(self.low[last], part.min(axis=0))
             self.high[last] = np.maximum(self.high[last], part.max(axis=0))
             self._filled += len(part)
             rows = rows[len(part) :]
-
-    def _begin(self) -> None:
-        if self.used == BUCKETS:
-            self._halve()
-        self.used += 1
-        self._filled = 0
 
     def _halve(self) -> None:
         half = BUCKETS // 2

@@ -15,7 +15,7 @@ from gcode.support.files import make_folder, write_json
 from testbench.comparing.words import listed, spoken
 from testbench.recordings.manifest import CSV
 from testbench.recordings.recording import Recording
-from testbench.results.model_file import about_model, same_source
+from testbench.results.model_file import about_model, load_model_file, same_source
 from testbench.results.result_files import read_diagnosis
 from testbench.studio.jobs.job import Commands
 from testbench.studio.parts.starting import run_in_turn
@@ -101,12 +101,8 @@ def history_of(studio: Studio, c: str) -> Steps:
 
 def same_arguments(studio: Studio, c: str) -> list[str]:
     """What a question about the model of `c` is asked with: the model, what it is judged on, the own effects."""
-    return ["--model", str(model_path(studio, c)), *same_held_out(studio, c), *studio.effects.arguments()]
-
-
-def same_held_out(studio: Studio, c: str) -> list[str]:
-    """The `held_out_arguments` of a step that is judged on the same as the model of `c`."""
-    return held_out_arguments(studio, held_out_of(studio, c))
+    held = held_out_arguments(studio, held_out_of(studio, c))
+    return ["--model", str(model_path(studio, c)), *held, *studio.effects.arguments()]
 
 
 def held_out_recording(studio: Studio, c: str) -> Recording | None:
@@ -133,8 +129,6 @@ def laws_in(studio: Studio, c: str) -> set[str]:
 
 def why_unusable(studio: Studio, c: str) -> str:
     """Why the model of a campaign cannot be used, such as an own effect that is gone; empty where it can be."""
-    from testbench.results.model_file import load_model_file
-
     try:
         catalogue = studio.effects.catalogue()
         laws = {one["effect"] for step in history_of(studio, c) for one in step["model"]["effects"]}
@@ -234,7 +228,6 @@ def adopt_diagnosed(studio: Studio, c: str, diagnosis: Mapping[str, Any]) -> Non
         If a model file is missing, damaged or not of this diagnosis, or a question about the model is open.
     """
     from testbench.comparing.ladder import continued
-    from testbench.results.model_file import load_model_file
 
     refuse_while_asked(studio, c)
     catalogue = studio.effects.catalogue()
@@ -282,13 +275,6 @@ def add_laws(
         # It is shown once there is such a step.
         keep_diagnosis(studio, c, diagnosis, history_of(studio, c), f"+ {wanted[0]}")
     change_model(studio, c, [add_command(studio, c, law) for law in wanted], holder, done)
-
-
-def undo_command(studio: Studio, c: str) -> tuple[str, list[str]]:
-    """Take the last step of the ladder back."""
-    model = str(model_path(studio, c))
-    argv = ["testbench", "add", "--undo", "--model", model, *studio.effects.arguments()]
-    return "Taking the last step back", [*argv, "-o", model]
 
 
 def change_model(studio: Studio, c: str, commands: Commands, holder: ui.column, done: Callable[[], None]) -> None:

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
 from gcode.support.strict import read_text
+from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.studio.workspace import Workspace
 from testbench.trust import is_trusted, trust
-
-if TYPE_CHECKING:
-    from testbench.knit.catalogue import Catalogue
 
 FILE = "effects.py"
 POINTER = "effects-file.txt"  # below results; one line, the path of the file with own effects
@@ -87,6 +84,4 @@ class OwnEffects:
         UserError
             If the file cannot be loaded.
         """
-        from testbench.knit.catalogue import load_catalogue
-
         return load_catalogue(self.runnable)

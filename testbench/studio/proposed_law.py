@@ -15,7 +15,7 @@ from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
 from gcode.support.strict import ExtraIgnored, load, read_text
 from testbench.recordings.stored import Finite, Label, Remark
-from testbench.results.model_file import Step, about_model
+from testbench.results.model_file import Step, about_model, load_model_file
 from testbench.results.result_files import read_diagnosis
 from testbench.studio import models
 from testbench.studio.studio import Studio
@@ -204,7 +204,6 @@ def with_law(before: str, kept: Kept) -> str:
 
 
 def _adopt(studio: Studio, c: str, kept: Kept) -> None:
-    from testbench.results.model_file import load_model_file
 
     found = load_model_file(kept.folder / MODEL, studio.effects.catalogue())
     before = models.history_of(studio, c)

@@ -17,8 +17,6 @@ HOST = "127.0.0.1"
 WARM = (
     "pandas",
     "tsdownsample",
-    "testbench.recordings.manifest",
-    "testbench.knit.catalogue",
     "testbench.api.models.comparing",
     "testbench.api.experiments.investigating",
 )

@@ -9,15 +9,7 @@ from urllib.parse import parse_qs
 from nicegui import ui
 
 from gcode.support.colours import BLUE, VERMILION
-from testbench.studio.pages import (
-    campaigns,
-    effects,
-    importing,
-    investigation,
-    plan,
-    record,
-    side,
-)
+from testbench.studio.pages import campaigns, effects, importing, investigation, plan, record, side
 from testbench.studio.pages.campaign import (
     align,
     compare,

@@ -41,13 +41,12 @@ class Studio:
     def __init__(self, root: str | Path) -> None:
         self.workspace = Workspace(root)
         outliving = {key: self.workspace.kept(RUNNING, key) for key in (KEY_RECORDING, KEY_RIG)}
-        self.jobs = JobBoard(outliving, self.workspace.kept(RUNNING) / PACES)
+        self.jobs = JobBoard(outliving, self.workspace.kept(RUNNING) / PACES, self._log)
         self.memory = Memory()
         self.sketches = Memory(KEPT_SKETCHES)
         self.notes = Notes(self.workspace.kept())
         self.deleted = Deleted(self.workspace, self.notes)
         self.effects = OwnEffects(self.workspace)
-        self.jobs.listeners.append(self._log)
 
     def commands_path(self, name: str) -> Path:
         """The command lines that have been run for a campaign, one a line with its time."""

@@ -15,7 +15,7 @@ from typing import Any
 from gcode.support.errors import UserError
 from gcode.support.strict import read_json
 from testbench.recordings.files import read_recording
-from testbench.recordings.manifest import CSV, MOST_BYTES
+from testbench.recordings.manifest import CSV, MOST_BYTES, problems
 from testbench.recordings.manifest import NAME as MANIFEST
 from testbench.recordings.recording import Recording
 from testbench.studio.memory import Memory, stamp
@@ -260,15 +260,12 @@ def _manifests(root: Path, depth: int) -> Iterator[tuple[str, os.stat_result]]:
         folder, level = pending.pop()
         with contextlib.suppress(OSError), os.scandir(folder) as entries:
             for entry in entries:
+                hidden = entry.name.startswith(".") or (level == 0 and entry.name == RESULTS)
                 if entry.name == MANIFEST and level:
                     if made := _stat_of(entry):
                         yield folder, made
-                elif level < depth and entry.is_dir(follow_symlinks=False) and not _is_hidden(entry.name, level):
+                elif level < depth and not hidden and entry.is_dir(follow_symlinks=False):
                     pending.append((entry.path, level + 1))
-
-
-def _is_hidden(name: str, level: int) -> bool:
-    return name.startswith(".") or (level == 0 and name == RESULTS)
 
 
 def results_name(name: str) -> str:
@@ -286,7 +283,6 @@ def _made_in(folder: str) -> frozenset[str]:
 
 
 def _verdict(folder: Path) -> list[str]:
-    from testbench.recordings.manifest import problems
 
     try:
         return problems(folder)

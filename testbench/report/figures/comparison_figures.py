@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gcode.support.arrays import FloatArray
 from testbench.recordings.recording import gaps_in
@@ -136,21 +135,17 @@ def overlay(both: Overlay, start_s: float | None = None, end_s: float | None = N
     traces: list[dict[str, Any]] = []
     titles: list[str] = []
     for channel in both.measured:
-        traces += _channel_traces(both, channel, rows, len(titles))
+        traces += signal_traces(both, channel, rows, len(titles))
+        for index, label in enumerate(both.modelled):
+            colour, left = model_colour(index, len(both.modelled)), both.residual(channel, label)[rows]
+            name = f"{label}: residual"
+            traces.append(line(both.time_s[rows], left, colour, name, len(titles) + 1, gaps=both.gaps))
         titles += [CHANNEL_TITLES[channel], RESIDUAL_TITLES[channel]]
     heights = [2.0, 1.0] * len(both.measured)  # a residual is half as tall as its signal
     axes = style.stacked_axes(titles, "Time / s", heights, gap=0.035)
     shapes = [_floor_band(2 * row + 1, both.noise_floor.get(c, 0.0)) for row, c in enumerate(both.measured)]
     shapes += _held_out_shade(both, end_s)
     return style.figure(traces, height=150 * len(titles) + 60, shapes=shapes, **axes)
-
-
-def _channel_traces(both: Overlay, channel: str, rows: slice, row: int) -> list[dict[str, Any]]:
-    traces = signal_traces(both, channel, rows, row)
-    for index, label in enumerate(both.modelled):
-        colour, residual = model_colour(index, len(both.modelled)), both.residual(channel, label)[rows]
-        traces.append(line(both.time_s[rows], residual, colour, f"{label}: residual", row + 1, gaps=both.gaps))
-    return traces
 
 
 def signals(both: Overlay) -> style.Figure:
@@ -194,7 +189,9 @@ def modelled_loops(both: Overlay) -> style.Figure:
     """Hysteresis loops of a few stretches, modelled over measured: force and ln G over strain."""
     names = ["measured", *both.modelled]
     colours = [style.MEASURED, *(model_colour(i, len(both.modelled)) for i in range(len(both.modelled)))]
-    rows = _joined([unbroken(part, both.time_s, both.gaps) for part in stretches(both.time_s, both.strain, LOOPS)])
+    whole, windows = np.arange(len(both.time_s)), stretches(both.time_s, both.strain, LOOPS)
+    parts = [unbroken(whole[part], both.time_s, both.gaps) for part in windows]
+    rows = np.concatenate([np.append(part, -1) for part in parts])[:-1]  # -1 lies between two of them
     strain_percent = at_rows(100 * both.strain, rows)
     traces = []
     for column, channel in enumerate(both.measured):
@@ -204,11 +201,6 @@ def modelled_loops(both: Overlay) -> style.Figure:
             traces.append(style.curve(strain_percent, at_rows(values, rows), colour, column, name=name, **shown))
     axes = style.side_by_side_axes([("Strain / %", CHANNEL_TITLES[channel]) for channel in both.measured])
     return style.figure(traces, height=380, **axes)
-
-
-def _joined(parts: Sequence[NDArray[np.intp]]) -> NDArray[np.intp]:
-    """Rows of several stretches with -1 between them."""
-    return np.concatenate([np.append(rows, -1) for rows in parts])[:-1]
 
 
 def busiest_window(both: Overlay, length_s: float = 60.0) -> tuple[float, float]:

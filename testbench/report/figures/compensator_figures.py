@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -27,13 +28,23 @@ def over_time(row: Mapping[str, Any], target: str) -> style.Figure:
     `row` is one entry of the score's ``recordings``, `target` is ``force`` or ``displacement``.
     """
     windows = [row["trace"], row["zooms"][0], row["zooms"][-1]]
+    lines = [
+        ("G_rescaled", RAW, "G: conductance, rescaled"),
+        ("F", TRUTH, f"{SYMBOLS[target]}: measured"),
+        ("p", PREDICTION, "p: compensated"),
+    ]
     traces = []
     for panel, window in enumerate(windows):
         place: dict[str, Any] = {"xaxis": style.x_ref(panel), "showlegend": panel == 0}
-        for key, colour, name in _lines(target):
+        for key, colour, name in lines:
             time_s, values = np.asarray(window["time_s"]), np.asarray(window[key])
             traces.append(line(time_s, values, colour, name, panel, **place))
-    return style.figure(traces, height=460, **_axes(target))
+    upper, lower = [0.58, 1.0], [0.0, 0.42]
+    left, right = (style.axis("Time / s", domain=across) for across in ([0.0, 0.47], [0.53, 1.0]))
+    axes = style.panel(0, style.axis(domain=[0, 1]), style.axis(TITLES[target], domain=upper))
+    axes |= style.panel(1, left, style.axis(TITLES[target], domain=lower))
+    axes |= style.panel(2, right, style.axis(domain=lower))
+    return style.figure(traces, height=460, **axes)
 
 
 def ends_in_words(row: Mapping[str, Any]) -> str:
@@ -41,22 +52,6 @@ def ends_in_words(row: Mapping[str, Any]) -> str:
     time_s = row["zooms"][0]["time_s"]
     length_s = time_s[-1] - time_s[0]
     return f"the first and the last {'minute' if round(length_s) == 60 else f'{length_s:.2g} s'}"
-
-
-def _lines(target: str) -> list[tuple[str, str, str]]:
-    return [
-        ("G_rescaled", RAW, "G: conductance, rescaled"),
-        ("F", TRUTH, f"{SYMBOLS[target]}: measured"),
-        ("p", PREDICTION, "p: compensated"),
-    ]
-
-
-def _axes(target: str) -> dict[str, Any]:
-    upper, lower = [0.58, 1.0], [0.0, 0.42]
-    time = [style.axis("Time / s", domain=across) for across in ([0.0, 0.47], [0.53, 1.0])]
-    axes = style.panel(0, style.axis(domain=[0, 1]), style.axis(TITLES[target], domain=upper))
-    axes |= style.panel(1, time[0], style.axis(TITLES[target], domain=lower))
-    return axes | style.panel(2, time[1], style.axis(domain=lower))
 
 
 def scatter(row: Mapping[str, Any], target: str) -> style.Figure:
@@ -92,9 +87,10 @@ def before_and_after(rows: Sequence[Mapping[str, Any]], names: Sequence[str], ta
     span = np.array([row["r2_after_interval"] or (np.nan, np.nan) for row in rows])
     up, down = span[:, 1] - after, after - span[:, 0]
     whiskers = {"array": up, "arrayminus": down, "symmetric": False, "color": TRUTH}
+    bar = partial(style.upright_bars, width=0.36, hover="%{y:.3f}", showlegend=True)
     bars = [
-        _bars(places - 0.2, [row["r2_before"] for row in rows], RAW, "raw conductance"),
-        _bars(places + 0.2, after, PREDICTION, "compensated") | {"error_y": whiskers},
+        bar(places - 0.2, [row["r2_before"] for row in rows], colour=RAW, name="raw conductance"),
+        bar(places + 0.2, after, colour=PREDICTION, name="compensated", error_y=whiskers),
     ]
     ticks = {"tickvals": list(range(len(rows))), "ticktext": list(names), "showgrid": False}
     axes: dict[str, Any] = {
@@ -110,7 +106,3 @@ def before_and_after(rows: Sequence[Mapping[str, Any]], names: Sequence[str], ta
 def _paper_words(knit: str, value: float, upper: bool) -> dict[str, Any]:
     place = {"yref": "y", "xanchor": "left", "yanchor": "bottom" if upper else "top"}  # the two lie close together
     return style.note(f"paper, {knit} {value:.2f}", 1.01, value, font={"size": 11, "color": style.MUTED}, **place)
-
-
-def _bars(places: np.ndarray, heights: Sequence[float] | np.ndarray, colour: str, name: str) -> dict[str, Any]:
-    return style.upright_bars(places, heights, 0.36, colour, "%{y:.3f}", name=name, showlegend=True)

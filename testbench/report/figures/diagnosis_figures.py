@@ -38,7 +38,9 @@ def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
     Left of 0, an effect adds to the error. `diagnosis` is the JSON of ``testbench diagnose``.
     """
     ranking = diagnosis["ranking"][:SHOWN]
-    notes = [_untried(place) for place, entry in enumerate(ranking) if not entry.get("held_out_gain")]
+    look: dict[str, Any] = {"font": {"size": 11, "color": style.MUTED}, "xanchor": "left", "xref": "x", "yref": "y"}
+    untried = [place for place, entry in enumerate(ranking) if not entry.get("held_out_gain")]
+    notes = [style.note("not refitted", 1.0, place, **look) for place in untried]
     names = [with_probability(diagnosis, entry["effect"]) for entry in ranking]
     axes: dict[str, Any] = {
         "xaxis": style.axis("Error removed / %", range=[_lowest(ranking), 104]),
@@ -70,11 +72,6 @@ def _lowest(ranking: Sequence[Mapping[str, Any]]) -> float:
     gains = [gain for entry in ranking for gain in entry.get("held_out_gain") or ()]
     lowest = min([removed_percent(gain) for gain in gains], default=0.0)
     return max(1.04 * lowest, -104.0) if lowest < 0 else 0.0
-
-
-def _untried(place: int) -> dict[str, Any]:
-    look: dict[str, Any] = {"font": {"size": 11, "color": style.MUTED}, "xanchor": "left"}
-    return style.note("not refitted", 1.0, place, xref="x", yref="y", **look)
 
 
 def _colour(diagnosis: Mapping[str, Any], number: int) -> str:

@@ -115,13 +115,8 @@ def step_names(labels: Sequence[str], room: bool = True) -> list[str]:
     if not room:
         return [str(number) for number in range(len(labels))]
     width = LINE if len(labels) <= BESIDE else 1  # many: a line a word
-    return ["<br>".join(_lines(spoken(label), width)) for label in labels]
-
-
-def _lines(label: str, width: int) -> list[str]:
-    """A sign stays with its word."""
-    words = label.replace("+ ", "+\N{NO-BREAK SPACE}")
-    return textwrap.wrap(words, width, break_long_words=False)
+    words = [spoken(label).replace("+ ", "+\N{NO-BREAK SPACE}") for label in labels]  # a sign stays with its word
+    return ["<br>".join(textwrap.wrap(one, width, break_long_words=False)) for one in words]
 
 
 def _floors(
@@ -152,20 +147,12 @@ def at_a_glance(both: Overlay, steps: Sequence[Step], span_s: tuple[float, float
         left, right = 2 * row, 2 * row + 1
         traces += signal_traces(both, channel, rows, left, xaxis=style.x_ref(left))
         traces += _rungs(steps, channel, right, len(steps) - 1)
-        last = row == len(channels) - 1
-        axes |= _glance_axes(channel, domain, left, right, last, steps)
-        axes[style.axis_key("xaxis", left)]["range"] = list(span_s)
+        words, follows = "Time / s" if row == len(channels) - 1 else "", "x" if row else None
+        time = style.axis(words, domain=[0, 0.6], matches=follows, range=list(span_s))
+        error = style.axis(PANEL_UNITS[channel], domain=domain, range=_from_zero(steps, channel))
+        axes |= style.panel(left, time, style.axis(CHANNEL_TITLES[channel], domain=domain))
+        axes |= style.panel(right, style.axis(domain=[0.68, 1]), error)
+        _label_steps(axes, right, steps, room=len(steps) <= NAMED_STEPS)
     shapes, notes = _floors(channels, steps, range(1, 2 * len(channels), 2))
     notes.append(style.note("<b>Held-out error</b>", 0.68, 1.0, xanchor="left", yanchor="bottom"))
     return style.figure(traces, height=240 * len(channels) + 60, shapes=shapes, annotations=notes, **axes)
-
-
-def _glance_axes(
-    channel: str, domain: list[float], left: int, right: int, last: bool, steps: Sequence[Step]
-) -> dict[str, Any]:
-    time = style.axis("Time / s" if last else "", domain=[0, 0.6], matches="x" if left else None)
-    error = style.axis(PANEL_UNITS[channel], domain=domain, range=_from_zero(steps, channel))
-    axes = style.panel(left, time, style.axis(CHANNEL_TITLES[channel], domain=domain))
-    axes |= style.panel(right, style.axis(domain=[0.68, 1]), error)
-    _label_steps(axes, right, steps, room=len(steps) <= NAMED_STEPS)
-    return axes

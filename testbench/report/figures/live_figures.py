@@ -13,6 +13,7 @@ from testbench.report import style
 from testbench.report.figures.recording_figures import line
 
 LIVE_POINTS = 500
+SIDES = (("Time / s (the last minute)", [0.0, 0.62]), ("Time / s (all)", [0.68, 1.0]))
 
 
 @dataclass(frozen=True)
@@ -46,22 +47,13 @@ def live(channels: Sequence[LiveChannel]) -> style.Figure:
     axes: dict[str, Any] = {}
     shapes: list[dict[str, Any]] = []
     for row, (channel, domain) in enumerate(zip(channels, style.rows(len(channels), 0.06), strict=True)):
-        for side in (0, 1):
-            index = 2 * row + side
-            traces += [_trace(one, side, index) for one in (channel, channel.beside) if one is not None]
-            axes |= _axes(index, side, domain, channel.title, row == len(channels) - 1)
+        for side, (words, across) in enumerate(SIDES):
+            index, place = 2 * row + side, style.x_ref(2 * row + side)
+            for one in filter(None, (channel, channel.beside)):
+                time_s, values = (one.recent, one.whole)[side]
+                traces.append(line(time_s, values, one.colour, one.title, index, 2 * LIVE_POINTS, xaxis=place))
+            x = style.axis(words if row == len(channels) - 1 else "", domain=across)
+            axes |= style.panel(index, x, style.axis("" if side else channel.title, domain=domain))
             if channel.limit is not None and np.isfinite(channel.limit):
                 shapes.append(style.level(channel.limit, style.VERMILION, index, 1.3))
     return style.figure(traces, height=150 * max(len(channels), 1) + 80, shapes=shapes, **axes)
-
-
-def _trace(channel: LiveChannel, side: int, index: int) -> dict[str, Any]:
-    time_s, values = (channel.recent, channel.whole)[side]
-    return line(time_s, values, channel.colour, channel.title, index, LIVE_POINTS * 2, xaxis=style.x_ref(index))
-
-
-def _axes(index: int, side: int, domain: list[float], title: str, last: bool) -> dict[str, Any]:
-    across = [0.0, 0.62] if side == 0 else [0.68, 1.0]
-    words = ("Time / s (the last minute)", "Time / s (all)")[side] if last else ""
-    upright = style.axis(title if side == 0 else "", domain=domain)
-    return style.panel(index, style.axis(words, domain=across), upright)

@@ -27,12 +27,19 @@ def proposal(proposed: Proposed) -> style.Figure:
     panels: list[tuple[str, str]] = []
     for step in proposed.steps:
         traces += _dependence(step, len(panels))
-        panels.append((_z(step), _lacks(step)))
+        term, channel = step.option.law.term, step.option.law.place.channel
+        unit = "" if str(term.unit) == "1" else f", in {term.unit}"
+        panels.append(
+            (f"z = {plain(term.latex)}{unit}", f"What the {channel_name(channel)} lacks / {UNIT_OF[channel]}")
+        )
     before, after = (_residuals(model, proposed.held) for model in (proposed.before.model, proposed.after.model))
     for channel, values in after.items():
         traces += _over_time(before[channel], values, proposed.held, len(panels))
         panels.append(("Time / s", f"Measured − modelled, {channel_name(channel)} / {UNIT_OF[channel]}"))
-    axes, tops = _rows(panels)
+    axes: dict[str, Any] = {}
+    domains = style.rows(len(panels), 0.32 / len(panels), 1 - LEGEND_PX / (ROW_PX * len(panels)))
+    for index, ((x_title, y_title), domain) in enumerate(zip(panels, domains, strict=True)):
+        axes |= style.panel(index, style.axis(x_title), style.axis(y_title, domain=domain))
     titles = [
         f"<b>{numbered(proposed.name, index)}</b>: {in_words(step.option.law)}"
         for index, step in enumerate(proposed.steps)
@@ -43,20 +50,11 @@ def proposal(proposed: Proposed) -> style.Figure:
         for channel in after
     ]
     notes = [
-        style.note(title, 0, top, xanchor="left", yanchor="bottom") for title, top in zip(titles, tops, strict=True)
+        style.note(title, 0, top, xanchor="left", yanchor="bottom")
+        for title, (_, top) in zip(titles, domains, strict=True)
     ]
     height = ROW_PX * len(panels) + 60
     return style.figure(traces, height=height, annotations=notes, legend=LEGEND, **axes)
-
-
-def _z(step: Step) -> str:
-    term = step.option.law.term
-    return f"z = {plain(term.latex)}" + (f", in {term.unit}" if str(term.unit) != "1" else "")
-
-
-def _lacks(step: Step) -> str:
-    channel = step.option.law.place.channel
-    return f"What the {channel_name(channel)} lacks / {UNIT_OF[channel]}"
 
 
 def _dependence(step: Step, index: int) -> list[dict[str, Any]]:
@@ -74,15 +72,13 @@ def _dependence(step: Step, index: int) -> list[dict[str, Any]]:
 
 def binned(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Mean of `x` and `y`, and the standard error of that of `y`, in bins with about as many samples each."""
+    import pandas as pd
+
     edges = np.unique(np.quantile(x, np.linspace(0, 1, BINS + 1)))
-    if len(edges) < 3:
-        edges = np.array([x.min(), 0.5 * (x.min() + x.max()), x.max() + 1e-12])
-    place = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(edges) - 2)
-    count = np.maximum(np.bincount(place, minlength=len(edges) - 1), 1)
-    mean_x, mean_y = (np.bincount(place, weights=v, minlength=len(count)) / count for v in (x, y))
-    square = np.bincount(place, weights=(y - mean_y[place]) ** 2, minlength=len(count)) / count
-    filled = np.bincount(place, minlength=len(count)) > 0
-    return mean_x[filled], mean_y[filled], np.sqrt(square / count)[filled]
+    inner = edges[1:-1] if len(edges) > 2 else [edges.mean()]
+    bins = pd.DataFrame({"x": x, "y": y}).groupby(np.searchsorted(inner, x, side="right"))
+    mean, error = bins.mean(), bins["y"].sem(ddof=0)
+    return mean["x"].to_numpy(), mean["y"].to_numpy(), error.to_numpy()
 
 
 def _residuals(model: KnitModel, held: Measurement) -> dict[str, FloatArray]:
@@ -96,12 +92,3 @@ def _over_time(before: FloatArray, after: FloatArray, held: Measurement, index: 
     rows = rows[:: max(1, len(rows) // POINTS)]
     both = ((before, style.VERMILION), (after, style.BLUE))
     return [style.curve(held.grid_s[rows], values[rows], colour, index, 1) for values, colour in both]
-
-
-def _rows(panels: list[tuple[str, str]]) -> tuple[dict[str, Any], list[float]]:
-    """Axes of panels below each other, each with an axis of its own, and where their tops are."""
-    axes: dict[str, Any] = {}
-    domains = style.rows(len(panels), 0.32 / len(panels), 1 - LEGEND_PX / (ROW_PX * len(panels)))
-    for index, ((x_title, y_title), domain) in enumerate(zip(panels, domains, strict=True)):
-        axes |= style.panel(index, style.axis(x_title), style.axis(y_title, domain=domain))
-    return axes, [top for _, top in domains]

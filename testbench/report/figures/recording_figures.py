@@ -26,6 +26,7 @@ COUNTED = {3: "three", 6: "six"}
 WHOLE = "the whole recording"
 BINS = 60
 SPEED_RATE_HZ = 20.0
+THUMBNAIL_S, THUMBNAIL_SAMPLES = 60.0, 120
 
 
 def conductance_scale(conductance_S: FloatArray) -> tuple[float, str]:
@@ -44,18 +45,14 @@ def channels_of(recording: Recording, resistance: bool = False) -> list[Channel]
         found.append(("Strain / %", 100 * recording.strain, style.STRAIN))
     if recording.has(FORCE):
         found.append(("Force / N", recording[FORCE], style.FORCE))
-    if recording.has(RESISTANCE):
-        found.append(_electrical(recording, resistance))
+    if recording.has(RESISTANCE) and resistance:
+        found.append(("Resistance / kΩ", 1e-3 * recording[RESISTANCE], style.CONDUCTANCE))
+    elif recording.has(RESISTANCE):
+        factor, unit = conductance_scale(recording.conductance_S)
+        found.append((f"Conductance / {unit}", factor * recording.conductance_S, style.CONDUCTANCE))
     if recording.has(TEMPERATURE):
         found.append(("Temperature / °C", recording[TEMPERATURE], style.ORANGE))
     return found
-
-
-def _electrical(recording: Recording, resistance: bool) -> Channel:
-    if resistance:
-        return "Resistance / kΩ", 1e-3 * recording[RESISTANCE], style.CONDUCTANCE
-    factor, unit = conductance_scale(recording.conductance_S)
-    return f"Conductance / {unit}", factor * recording.conductance_S, style.CONDUCTANCE
 
 
 def time_series(
@@ -117,7 +114,9 @@ def hysteresis_loops(recording: Recording, resistance: bool = False) -> style.Fi
         for rows, colour in zip(windows, colours, strict=True):
             name = duration_in_words(float(recording.time_s[rows.start] - recording.time_s[0]))
             every = max(1, (rows.stop - rows.start) // points)
-            few = unbroken(slice(rows.start, rows.stop, every), recording.time_s, recording.gaps)
+            ends = [rows.start + end(values[rows]) for values in (x, y) for end in (np.argmin, np.argmax)]
+            kept = np.union1d(np.arange(rows.start, rows.stop, every), ends)
+            few = unbroken(kept, recording.time_s, recording.gaps)
             traces.append(style.curve(at_rows(x, few), at_rows(y, few), colour, column, name=name, **shown))
     axes = style.side_by_side_axes([(x_title, y_title) for x_title, y_title, _, _ in panels])
     return style.figure(traces, height=400, **axes)
@@ -172,9 +171,8 @@ def _motion(recording: Recording) -> FloatArray:
     return recording[DISPLACEMENT if recording.has(DISPLACEMENT) else FORCE]
 
 
-def unbroken(part: slice, time_s: FloatArray, gaps: Sequence[tuple[float, float]]) -> NDArray[np.intp]:
+def unbroken(rows: NDArray[np.intp], time_s: FloatArray, gaps: Sequence[tuple[float, float]]) -> NDArray[np.intp]:
     """The rows of a stretch, with -1 between two of them where nothing was recorded; see `at_rows`."""
-    rows = np.arange(part.start, part.stop, part.step or 1, dtype=np.intp)
     cuts = np.searchsorted(time_s[rows], [end_s for _, end_s in gaps])
     return np.insert(rows, cuts[(cuts > 0) & (cuts < len(rows))], -1)
 
@@ -256,3 +254,44 @@ def summary(recording: Recording, resistance: bool = False) -> list[tuple[str, s
         name, unit = title.split(" / ")
         facts.append((name, span(float(values.min()), float(values.max()), unit)))
     return facts
+
+
+def thumbnail(recording: Recording) -> str:
+    """A small SVG for lists: a minute of strain (faint) and force on the left, the loops on the right."""
+    channels, width, height = channels_of(recording), 280, 66  # size in pixels
+    middle_s = 0.5 * (recording.time_s[0] + recording.time_s[-1])
+    shown_s = max(THUMBNAIL_S, THUMBNAIL_SAMPLES / recording.mean_rate_hz)
+    rows = window(recording.time_s, middle_s - shown_s / 2, middle_s + shown_s / 2)
+    if rows.stop - rows.start < 2:  # taken so unevenly that the middle is empty
+        rows = slice(0, len(recording))
+    time_s, split = recording.time_s[rows], width - 84
+    _, first, _ = channels[0]
+    paths = _path(time_s, first, rows, style.FAINT, split, height)
+    if len(channels) > 1:
+        _, values, colour = channels[1]
+        paths += _path(time_s, values, rows, colour, split, height)
+        _, values, colour = channels[-1] if recording.has(RESISTANCE) else channels[1]
+        few = slice(None, None, max(1, len(recording) // 500))
+        paths += _dots(first[few], values[few], colour, split + 14, width, height)
+    return (
+        f'<svg viewBox="0 0 {width} {height}" width="{width}" height="{height}" '
+        f'xmlns="http://www.w3.org/2000/svg" aria-hidden="true">{paths}</svg>'
+    )
+
+
+def _scaled(values: FloatArray, low: float, high: float) -> FloatArray:
+    return low + (values - values.min()) / (float(np.ptp(values)) or 1.0) * (high - low)
+
+
+def _path(time_s: FloatArray, values: FloatArray, part: slice, colour: str, right: float, height: int) -> str:
+    """A part of a channel, as high as it is in the whole: the noise of a hold is a line."""
+    rows = rows_to_draw(values[part], int(2 * right))
+    x, y = _scaled(time_s[rows], 0, right), _scaled(values, height - 3, 3)[part][rows]
+    points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
+    return f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="1.3"/>'
+
+
+def _dots(across: FloatArray, values: FloatArray, colour: str, left: float, right: float, height: int) -> str:
+    x, y = _scaled(across, left, right - 2), _scaled(values, height - 3, 3)
+    points = "".join(f"M{a:.1f} {b:.1f}h.1" for a, b in zip(x, y, strict=True))
+    return f'<path d="{points}" stroke="{colour}" stroke-width="1.6" stroke-linecap="round" opacity=".6"/>'

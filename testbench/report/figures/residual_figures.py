@@ -27,6 +27,7 @@ COORDINATE_TITLES = {
 IN_PERCENT = ("strain", "largest_strain", "strain_rate")
 LOG_COORDINATES = ("since_reversal_s", "since_hold_s")
 DIRECTIONS = ((1, "stretching", style.BLUE, "triangle-up"), (-1, "releasing", style.VERMILION, "diamond"))
+COLUMNS = 3
 HEAT_BINS = 24
 FEW = 8  # cells of a map with fewer samples are left blank
 
@@ -39,12 +40,15 @@ def profiles_caption(channel: str) -> str:
 def profiles(maps: Mapping[str, Sequence[Cell]], channel: str) -> style.Figure:
     """Mean residual over each coordinate with two standard errors, stretching and releasing apart."""
     shown = [name for name in COORDINATE_TITLES if len(maps.get(name, ())) > 1]
-    columns = 3
+    count = -(-len(shown) // COLUMNS)
+    across, down = style.parts(COLUMNS, 0.07), style.rows(count, 0.3 / max(count, 1))
     traces: list[dict[str, Any]] = []
+    axes: dict[str, Any] = {}
     for index, coordinate in enumerate(shown):
-        traces += _profile(maps[coordinate], coordinate, index)
-    axes = _grid_axes({name: maps[name] for name in shown}, columns, channel)
-    count = -(-len(shown) // columns)
+        (row, column), cells = divmod(index, COLUMNS), maps[coordinate]
+        traces += _profile(cells, coordinate, index)
+        title = RESIDUAL_TITLES[channel] if column == 0 else ""
+        axes |= _panel(index, coordinate, cells, title, across[column], down[row])
     return style.figure(_legend_once(traces), height=230 * max(count, 1) + 60, **axes)
 
 
@@ -92,17 +96,6 @@ def _legend_once(traces: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return traces
 
 
-def _grid_axes(coordinates: Mapping[str, Sequence[Cell]], columns: int, channel: str) -> dict[str, Any]:
-    count = -(-len(coordinates) // columns)
-    across, down = style.parts(columns, 0.07), style.rows(count, 0.3 / max(count, 1))
-    axes: dict[str, Any] = {}
-    for index, (coordinate, cells) in enumerate(coordinates.items()):
-        row, column = divmod(index, columns)
-        title = RESIDUAL_TITLES[channel] if column == 0 else ""
-        axes |= _panel(index, coordinate, cells, title, across[column], down[row])
-    return axes
-
-
 def _panel(
     index: int, coordinate: str, cells: Sequence[Cell], title: str, across: list[float], down: list[float]
 ) -> dict[str, Any]:
@@ -120,30 +113,19 @@ def heat_maps(both: Overlay) -> style.Figure:
     panels = [("Strain / %", "Strain rate / %/s" if i == 0 else "") for i in range(len(both.measured))]
     traces = []
     for column, channel in enumerate(both.measured):
-        cells = _heat(100 * both.strain[inside], 100 * rate[inside], both.residual(channel)[inside])
+        x, y, z = _heat(100 * both.strain[inside], 100 * rate[inside], both.residual(channel)[inside])
         bar_x = (1.0 if column == len(both.measured) - 1 else 0.42) + 0.01
         bar = {"title": {"text": PANEL_UNITS[channel]}, "thickness": 10, "outlinewidth": 0, "x": bar_x}
-        traces.append(_heat_map(*cells) | {**style.place(column), "colorbar": bar})
+        size = float(np.nanquantile(np.abs(z), 0.98)) if np.isfinite(z).any() else 1.0
+        look = {"colorscale": style.DIVERGING, "zmin": -size, "zmax": size, "colorbar": bar}
+        look["hovertemplate"] = "strain %{x:.1f} %, rate %{y:.2f} %/s: %{z:.3g}<extra></extra>"
+        traces.append({"type": "heatmap", "x": x, "y": y, "z": z, **look, **style.place(column)})
     axes = style.side_by_side_axes(panels, gap=0.16)
     notes = [
         style.note(f"<b>Residual of the {channel}</b>", index * 0.58, 1.0, xanchor="left", yanchor="bottom")
         for index, channel in enumerate(both.measured)
     ]
     return style.figure(traces, height=360, margin={"l": 64, "r": 80, "t": 36, "b": 44}, annotations=notes, **axes)
-
-
-def _heat_map(x: FloatArray, y: FloatArray, z: FloatArray) -> dict[str, Any]:
-    size = float(np.nanquantile(np.abs(z), 0.98)) if np.isfinite(z).any() else 1.0
-    return {
-        "type": "heatmap",
-        "x": x,
-        "y": y,
-        "z": z,
-        "zmin": -size,
-        "zmax": size,
-        "colorscale": style.DIVERGING,
-        "hovertemplate": "strain %{x:.1f} %, rate %{y:.2f} %/s: %{z:.3g}<extra></extra>",
-    }
 
 
 def _heat(x: FloatArray, y: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -20,31 +20,14 @@ def plotly_path() -> Path:
         return path
 
 
-def plotly_js() -> str:
-    """plotly.js itself, to be put into a page."""
-    return plotly_path().read_text("utf-8")
-
-
 def to_json(figures: Any) -> str:
     """Figures as JSON, their arrays packed."""
-    return json.dumps(packed(figures), allow_nan=False, separators=(",", ":"))
+    return json.dumps(figures, default=_packed, allow_nan=False, separators=(",", ":"))
 
 
-def packed(value: Any) -> Any:
-    """A figure ready for JSON: number arrays as base64 float32 (a third of the size), other values as they are."""
-    if isinstance(value, dict):
-        return {key: packed(entry) for key, entry in value.items()}
-    if isinstance(value, np.ndarray):
-        return _packed_array(value)
-    if isinstance(value, list | tuple):
-        return [packed(entry) for entry in value]
-    if isinstance(value, np.generic):
-        return value.item()
-    return value
-
-
-def _packed_array(values: np.ndarray) -> Any:
-    if values.dtype.kind not in "fiu":
+def _packed(values: np.ndarray | np.generic) -> Any:
+    """Arrays of numbers as base64 float32 (a third of the size), other ones as they are."""
+    if isinstance(values, np.generic) or values.dtype.kind not in "fiu":
         return values.tolist()
     if values.ndim > 1:  # heat maps are small; nested lists keep their holes as null
         return [[None if not np.isfinite(entry) else float(f"{entry:.5g}") for entry in row] for row in values]

@@ -9,7 +9,7 @@ from typing import Any
 from gcode.support import html
 from testbench.report import style
 from testbench.report.document import Facts, Item, Picture, Report, Section, Table
-from testbench.report.writing.packing import plotly_js, to_json
+from testbench.report.writing.packing import plotly_path, to_json
 
 CONTENT_POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
 
@@ -24,6 +24,8 @@ def to_html(report: Report) -> str:
     own = files("testbench.report")
     figures: dict[str, Any] = {picture.name: picture.figure for picture in report.pictures()}
     figures["config"] = style.CONFIG
+    # "</script>" inside a string would end the element, so the slash is escaped (the same JSON string).
+    packed = to_json(figures).replace("</", "<\\/")
     body = "".join(_section(number, section) for number, section in enumerate(report.sections))
     links = "".join(
         f'<a href="#part-{number}">{escape(section.title)}</a>' for number, section in enumerate(report.sections)
@@ -40,24 +42,12 @@ def to_html(report: Report) -> str:
 {"".join(_item(item) for item in report.opening)}
 <nav class="contents" aria-label="Contents">{links}</nav></header>
 <main>{body}<footer>{escape(report.footer)}</footer></main>
-<script>{plotly_js()}</script>
-<script type="application/json" id="figures">{_for_script(to_json(figures))}</script>
+<script>{plotly_path().read_text("utf-8")}</script>
+<script type="application/json" id="figures">{packed}</script>
 <script>{own.joinpath("narrow.js").read_text("utf-8")}</script>
 <script>{own.joinpath("page.js").read_text("utf-8")}</script>
 </body></html>
 """
-
-
-def _for_script(json_text: str) -> str:
-    # "</script>" inside a string would end the element, so the slash is escaped (the same JSON string).
-    return json_text.replace("</", "<\\/")
-
-
-def _facts(facts: Facts) -> str:
-    cells = "".join(
-        f'<div class="tile"><b>{escape(value)}</b><span>{escape(name)}</span></div>' for name, value in facts.pairs
-    )
-    return f'<div class="tiles">{cells}</div>'
 
 
 def _section(number: int, section: Section) -> str:
@@ -75,5 +65,8 @@ def _item(item: Item) -> str:
     if isinstance(item, Table):
         return f'<div class="scroll">{html.table(item.head, item.rows, item.caption)}</div>'
     if isinstance(item, Facts):
-        return _facts(item)
+        tiles = "".join(
+            f'<div class="tile"><b>{escape(value)}</b><span>{escape(name)}</span></div>' for name, value in item.pairs
+        )
+        return f'<div class="tiles">{tiles}</div>'
     return f"<p>{escape(item)}</p>"

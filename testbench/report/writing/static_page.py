@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -76,23 +77,19 @@ class Page:
             self._legend()
 
     def _legend(self) -> None:
-        handles, names = [], []
+        named: dict[str, Any] = {}
         for axes in self._axes.values():
-            found, labels = axes.get_legend_handles_labels()
-            for handle, name in zip(found, labels, strict=True):
-                if name not in names:
-                    handles.append(handle)
-                    names.append(name)
-        if handles:
-            _, top = self.place(0, 1)
-            left = self.layout.get("legend", {}).get("xanchor") == "left"
-            place, anchor = ("lower left", (self.left, top)) if left else ("lower right", (self.right, top))
-            look = {"ncols": len(names), "frameon": False, "fontsize": 8.5}
-            if self.given:
-                top_axes = next(iter(self.given.values()))
-                top_axes.legend(handles, names, loc="lower left", bbox_to_anchor=(0, 1), **look)
-            else:
-                self.drawing.legend(handles, names, loc=place, bbox_to_anchor=anchor, **look)
+            for handle, name in zip(*axes.get_legend_handles_labels(), strict=True):
+                named.setdefault(name, handle)
+        if not named:
+            return
+        holder, side, anchor = self.drawing, "right", (self.right, self.top)
+        if self.given:
+            holder, side, anchor = next(iter(self.given.values())), "left", (0, 1)
+        elif self.layout.get("legend", {}).get("xanchor") == "left":
+            side, anchor = "left", (self.left, self.top)
+        look = {"ncols": len(named), "frameon": False, "fontsize": 8.5}
+        holder.legend([*named.values()], [*named], loc=f"lower {side}", bbox_to_anchor=anchor, **look)
 
     def _target(self, item: dict[str, Any]):
         x_name, y_name = item.get("xref", "x"), item.get("yref", "y")
@@ -143,9 +140,7 @@ class Page:
 
 def plain(text: str) -> str:
     """Plain text of a label that holds the few HTML tags Plotly knows."""
-    for tag in ("<b>", "</b>", "<i>", "</i>"):
-        text = text.replace(tag, "")
-    return text.replace("<br>", "\n")
+    return re.sub("</?[bi]>", "", text).replace("<br>", "\n")
 
 
 def tick(value: float, _: Any = None) -> str:

@@ -1,14 +1,14 @@
-"""Writing a report and its figures to disk."""
+"""Writing a report and its figures to disk, as one page or as Markdown with its pictures beside it."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
+from urllib.parse import quote
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
-from testbench.report.document import Report
-from testbench.report.writing.markdown import to_markdown
+from testbench.report.document import Facts, Item, Picture, Report, Table
 from testbench.report.writing.page import to_html
 from testbench.report.writing.static import write_figure
 
@@ -39,7 +39,7 @@ def write_report(
     written = [] if figures is None else _write_figures(report, Path(figures))
     if form == "md":
         assert figures is not None
-        text = to_markdown(report, Path(os.path.relpath(figures, output.parent)).as_posix())
+        text = _to_markdown(report, Path(os.path.relpath(figures, output.parent)).as_posix())
     else:
         text = to_html(report)
     write_text(output, text)
@@ -61,3 +61,31 @@ def _write_figures(report: Report, folder: Path) -> list[Path]:
     for (picture, _), place in zip(pictures, places, strict=True):
         write_figure(picture.figure, place)
     return places
+
+
+def _to_markdown(report: Report, figures: str) -> str:
+    """The report as Markdown; `figures` is the folder of the PNG files, as the document should name it."""
+    parts = [f"# {report.title}", report.date, report.verdict]
+    parts += [_item(item, figures) for item in report.opening]
+    for section in report.sections:
+        parts.append(f"## {section.title}")
+        parts += [_item(item, figures) for item in section.items]
+    parts.append(report.footer)
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _item(item: Item, figures: str) -> str:
+    if isinstance(item, Picture):
+        place = quote(f"{figures}/{item.name}.png")  # a blank would end the link
+        return f"![{item.caption}]({place})\n\n*{item.caption}*"
+    if isinstance(item, Table):
+        return _table(item)
+    if isinstance(item, Facts):
+        return "\n".join(f"- **{name}**: {value}" for name, value in item.pairs)
+    return item
+
+
+def _table(table: Table) -> str:
+    lines = [table.head, tuple("---" for _ in table.head), *table.rows]
+    text = "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+    return f"{text}\n\n{table.caption}" if table.caption else text

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
 from functools import partial
-from typing import TYPE_CHECKING
 
 from nicegui import events, ui
 
+from testbench.importing.choice import Choice
+from testbench.importing.sheet import Sheet
 from testbench.importing.signs import SIGNED, TURNED
 from testbench.studio.importing.import_form import NOT_THERE, Choices
 from testbench.studio.importing.import_look import (
@@ -16,17 +17,12 @@ from testbench.studio.importing.import_look import (
     SEPARATORS,
     THOUSANDS,
     column_options,
-    known,
     still_to_say,
     unit_key,
     unit_options,
 )
 from testbench.studio.importing.import_words import R0, TITLES, in_a_sentence, page_words
 from testbench.studio.parts.fields import number_field
-
-if TYPE_CHECKING:
-    from testbench.importing.choice import Choice
-    from testbench.importing.sheet import Sheet
 
 
 class Columns:
@@ -57,7 +53,8 @@ class Columns:
                 ("thousands", "Thousands", THOUSANDS),
                 ("encoding", "Encoding", ENCODINGS),
             ):
-                choice = ui.select(options, value=known(options, self.choices.hints.get(name)), label=label)
+                hint = self.choices.hints.get(name)
+                choice = ui.select(options, value=hint if hint in options else "", label=label)
                 choice.style("width:140px")
                 choice.on_value_change(partial(self._hinted, name))
             if self.choices.path.suffix.lower() in (".xlsx", ".xlsm", ".tdms"):
@@ -67,12 +64,10 @@ class Columns:
 
     async def _row_hinted(self, field: ui.number, name: str, event: events.ValueChangeEventArguments) -> None:
         if field.validate():
-            await self._hint(name, None if event.value is None else int(event.value))
+            await self._hinted(name, event)
 
     async def _hinted(self, name: str, event: events.ValueChangeEventArguments) -> None:
-        await self._hint(name, event.value)
-
-    async def _hint(self, name: str, value: str | int | None) -> None:
+        value = int(event.value) if isinstance(event.value, float) else event.value
         self.choices.hints[name] = None if value == "" else value
         self.choices.columns.clear()
         await self.look()
@@ -152,7 +147,7 @@ class Columns:
             box.classes("text-sm").props(f"aria-label='{label} of the {role}'")
 
     async def _column_chosen(self, role: str, event: events.ValueChangeEventArguments) -> None:
-        self.choices.set_column(role, None if event.value == NOT_THERE else event.value)
+        self.choices.set_column(role, event.value)
         await self.look()
 
     async def _unit_chosen(self, role: str, event: events.ValueChangeEventArguments) -> None:

@@ -3,29 +3,18 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from gcode.support.errors import UserError
 from gcode.support.strict import json_of, validated
+from testbench.importing.choice import ELECTRICAL, FLAGS, UNIT_FLAGS
+from testbench.importing.sheet import Hints
+from testbench.importing.wish import Wish
 from testbench.studio.importing.import_words import TITLES
 
-if TYPE_CHECKING:
-    from testbench.importing.wish import Wish
-
 NOT_THERE = "none"
-SAID: tuple[str, ...] = ("columns", "units", "clocks", "hints", "negate", "zero")
-SAID += ("rate_hz", "r0_ohm", "gauge_length_mm", "sort", "drop_bad")
-HINT_FLAGS = {
-    "header_row": "--header-row",
-    "units_row": "--units-row",
-    "separator": "--separator",
-    "decimal": "--decimal",
-    "thousands": "--thousands",
-    "encoding": "--encoding",
-    "sheet": "--sheet",
-}
+HINTS = ("header_row", "units_row", "separator", "decimal", "thousands", "encoding", "sheet")
 
 
 @dataclass
@@ -58,7 +47,7 @@ class Choices:
 
     def told(self) -> str:
         """All that was chosen beyond the file, as text for an address; empty where nothing was."""
-        said = {name: getattr(self, name) for name in SAID if getattr(self, name)}
+        said = {name: value for name, value in vars(self).items() if value and name != "path"}
         plain = {name: sorted(value) if isinstance(value, set) else value for name, value in said.items()}
         return json.dumps(plain, separators=(",", ":"), ensure_ascii=False) if plain else ""
 
@@ -72,20 +61,17 @@ class Choices:
             If it does not say choices.
         """
         data = json_of(text, "choices", "the address") if text else {}
-        if not isinstance(data, dict) or set(data) - set(SAID):
+        if not isinstance(data, dict) or set(data) - ({one.name for one in fields(cls)} - {"path"}):
             raise UserError(f"the address asks for something else than choices: {text[:80]!r}")
         choices = validated({"path": path, **data}, cls, "the address", "choice")
         roles = {*choices.columns, *choices.units, *choices.clocks, *choices.negate, *choices.zero}
-        unknown = sorted(roles - set(TITLES)) + sorted(set(choices.hints) - set(HINT_FLAGS))
+        unknown = sorted(roles - set(TITLES)) + sorted(set(choices.hints) - set(HINTS))
         if unknown:
             raise UserError(f"the address asks for {unknown[0]!r}, which the import does not know")
         return choices
 
     def wish(self) -> Wish:
         """What is said on the page, as the import takes it."""
-        from testbench.importing.sheet import Hints
-        from testbench.importing.wish import Wish
-
         return Wish(
             gauge_length_mm=self.gauge_length_mm,
             columns=self.columns,
@@ -110,8 +96,6 @@ class Choices:
         UserError
             If the gauge length is missing and the file has a displacement or strain.
         """
-        from testbench.importing.choice import FLAGS, UNIT_FLAGS
-
         stretched = bool(roles & {"displacement", "strain"})
         if stretched and not self.gauge_length_mm:
             raise UserError("“Gauge length / mm” is empty: say the sensor's length between the clamps at rest")
@@ -124,7 +108,7 @@ class Choices:
         for role, column in clocks.items():
             argv += ["--time-of", f"{FLAGS[role].removeprefix('--')}={column}"]
         for name, value in self.hints.items():
-            argv += [HINT_FLAGS[name], str(value)] if value is not None else []
+            argv += [f"--{name.replace('_', '-')}", str(value)] if value is not None else []
         r0_ohm = self.r0_ohm if roles & {"relative", "relative_change"} else None
         rate_hz = None if "time" in roles else self.rate_hz
         for flag, number in (("--rate-hz", rate_hz), ("--rest-ohm", r0_ohm)):
@@ -135,14 +119,11 @@ class Choices:
         argv += ["--sort"] * self.sort + ["--drop-bad"] * self.drop_bad
         return [*argv, "--json", "-o", str(folder)]
 
-    def set_column(self, role: str, column: str | None) -> None:
+    def set_column(self, role: str, column: str) -> None:
         """Take a column for `role`; another electrical quantity, or a strain for a displacement, gives way to it."""
-        from testbench.importing.choice import ELECTRICAL
-
-        self.columns[role] = column or NOT_THERE
+        self.columns[role] = column
         for group in (("displacement", "strain"), ELECTRICAL):
-            if column and role in group:
-                for other in group:
-                    if other != role:
-                        self.columns.pop(other, None)
+            if column != NOT_THERE and role in group:
+                for other in set(group) - {role}:
+                    self.columns.pop(other, None)
         self.units.pop(role, None)

@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from html import escape
 
+from testbench.importing.choice import Choice
+from testbench.importing.sheet import Sheet
+from testbench.importing.vocabulary.laboratory_units import symbols
+from testbench.importing.vocabulary.roles import ROLES
 from testbench.studio.importing.import_form import NOT_THERE, Choices
 from testbench.studio.importing.import_words import R0, TITLES
 
-if TYPE_CHECKING:
-    from testbench.importing.choice import Choice
-    from testbench.importing.sheet import Sheet
-
+LINES = 30
+CELL = 44  # characters of a cell that are shown
 Seen = tuple["Sheet", "Choice", dict[str, str]]  # a file, what its columns mean, one value by role
 
 SEPARATORS = {"": "found", ",": "comma", ";": "semicolon", "\t": "tab", "|": "bar", " ": "blanks"}
 DECIMALS = {"": "found", ".": "point", ",": "comma"}
 THOUSANDS = {"": "found", ",": "comma", ".": "point", "'": "apostrophe"}
 ENCODINGS = {"": "found", "utf-8": "UTF-8", "cp1252": "Windows, Latin-1", "gb18030": "GBK", "shift_jis": "Shift-JIS"}
-
-
-def known(options: dict[str, str], chosen: object) -> str:
-    """What was chosen, if it is one of the options; else the empty one, which means that it is found."""
-    return str(chosen) if str(chosen) in options else ""
 
 
 def look_at(choices: Choices) -> Seen:
@@ -62,9 +60,6 @@ def column_options(sheet: Sheet) -> dict[str, str]:
 
 def unit_options(role: str) -> dict[str, str]:
     """The units that a role can have."""
-    from testbench.importing.vocabulary.laboratory_units import symbols
-    from testbench.importing.vocabulary.roles import ROLES
-
     units = {symbol: "as a ratio" if symbol == "1" else symbol for symbol in symbols(ROLES[role])}
     return units | ({"date": "dates"} if role == "time" else {})
 
@@ -103,3 +98,33 @@ def still_to_say(choice: Choice, role: str) -> str:
             else "choose its column, or those of force and resistance"
         )
     return ""
+
+
+def raw_table(sheet: Sheet, roles: Mapping[int, str]) -> str:
+    """HTML of the first lines: above each column its number and what, by number, it is taken for."""
+    layout = sheet.layout
+    width = max([len(layout.columns), *(len(row) for row in sheet.head[:LINES])], default=1)
+    head = "".join(_head(number, roles.get(number, "")) for number in range(1, width + 1))
+    kinds: dict[int | None, str] = dict.fromkeys(range(1, layout.first_row), "above")
+    kinds |= {layout.header_row: "names", layout.units_row: "units"}
+    rows = "".join(
+        _row(number, cells, width, kinds.get(number, "")) for number, cells in enumerate(sheet.head[:LINES], 1)
+    )
+    return (
+        f'<table class="raw"><caption class="quiet">The first {min(LINES, len(sheet.head))} lines</caption>'
+        f"<thead><tr><th>line</th>{head}</tr></thead><tbody>{rows}</tbody></table>"
+    )
+
+
+def _head(number: int, role: str) -> str:
+    return f'<th scope="col"{" class=taken" if role else ""}>{number}<br>{escape(role)}</th>'
+
+
+def _row(number: int, cells: Sequence[str], width: int, kind: str) -> str:
+    texts = list(cells)
+    if kind == "above" and sum(map(bool, texts)) < width:
+        whole = escape("  ".join(text for text in texts if text)[: 3 * CELL])
+        return f'<tr class="above"><th scope="row">{number}</th><td colspan="{width}">{whole}</td></tr>'
+    shown = "".join(f"<td>{escape(text[:CELL])}</td>" for text in texts + [""] * (width - len(texts)))
+    label = f" {kind}" if kind in ("names", "units") else ""
+    return f'<tr class="{kind}"><th scope="row">{number}{label}</th>{shown}</tr>'

@@ -110,18 +110,12 @@ class Job:
         done, total = event.get("done", event.get("time_s")), event.get("total", event.get("duration_s"))
         if isinstance(done, int | float) and isinstance(total, int | float) and total > 0:
             self.share = min(1.0, done / total)
-            self.step = _counted(event)
+            # A command that does not say what it counts counts steps.
+            self.step = f"{event.get('unit', 'step')} {event['done']} of {event['total']}" if "done" in event else ""
         said = [str(event[key]) for key in ("label", "note", "message") if event.get(key)]
         self.note = " · ".join(said) or self.note
         if event.get("note"):
             self.pace.hear(str(event["note"]), self.share, self.elapsed_s, self.step.partition(" of ")[0])
-
-
-def _counted(event: dict[str, Any]) -> str:
-    """``motion 7 of 13``; a command that does not say what it counts counts steps."""
-    if "done" not in event:
-        return ""
-    return f"{event.get('unit', 'step')} {event['done']} of {event['total']}"
 
 
 def _event(line: str) -> dict[str, Any] | None:

@@ -29,12 +29,18 @@ class JobBoard:
         Kinds of jobs that go on when the studio ends, each with the folder that it is followed in.
     paces : Path, optional
         Where it is kept how long jobs have taken.
+    done : callable
+        Told of every job that has ended well.
     """
 
-    def __init__(self, outliving: Mapping[str, Path] | None = None, paces: Path | None = None) -> None:
+    def __init__(
+        self,
+        outliving: Mapping[str, Path] | None = None,
+        paces: Path | None = None,
+        done: Callable[[Job], object] = lambda _: None,
+    ) -> None:
         self.jobs: list[Job] = []
-        self._paces = Paces(paces)
-        self.listeners: list[Callable[[Job], None]] = []  # told of every job that has ended well
+        self._paces, self._done = Paces(paces), done
         self._outliving = {key: Outliving(folder) for key, folder in (outliving or {}).items()}
 
     def find(self, key: str) -> Job | None:
@@ -71,14 +77,15 @@ class JobBoard:
         await _run(job)
         if job.state is State.DONE:
             self._paces.keep(job.argv, job.pace, job.elapsed_s)
-            self._tell(job)
+            self._done(job)
             if job.rest:
                 (title, argv), *rest = job.rest
                 job.followed_by = self.start(job.key, title, argv, rest)
 
     def _adopt(self, key: str) -> None:
         """Take in a job that lives and that this board does not know: an earlier studio has started it."""
-        about = self._outliving[key].living() if key in self._outliving else None
+        outliving = self._outliving.get(key)
+        about = outliving.last() if outliving and outliving.alive() else None
         if about is None or any(job.key == key and (job.running or job.about == about) for job in self.jobs):
             return
         job = Job(key, about.title, about.argv, about=about)
@@ -104,12 +111,7 @@ class JobBoard:
             job.hear_error("error: something outside the studio ended it")
         _end(job, -1 if code is None else code)
         if job.state is State.DONE:
-            self._tell(job)
-
-    def _tell(self, job: Job) -> None:
-        """Tell all listeners of a job that has ended well."""
-        for listener in self.listeners:
-            listener(job)
+            self._done(job)
 
     async def cancel(self, job: Job) -> None:
         """Ask a job to end (as Ctrl-C would), kill it if it does not, and wait until it is gone."""

@@ -105,10 +105,6 @@ class Outliving:
         write_text(self.folder / ABOUT, json.dumps(vars(about)) + "\n")
         return about
 
-    def living(self) -> About | None:
-        """The job that runs now, whoever started it; None when there is none."""
-        return self.last() if self.alive() else None
-
     def last(self) -> About | None:
         """The last job, whether it still runs or not."""
         with contextlib.suppress(UserError):

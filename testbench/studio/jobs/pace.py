@@ -127,11 +127,7 @@ class Paces:
 
 def kind_of(argv: Sequence[str]) -> str:
     """Jobs that take about the same steps: the same command, and for a training the same method."""
-    kind = list(argv[:2])
-    for option in ("--method", "--twin"):
-        if option in argv:
-            kind.append(option)
-    return " ".join(kind)
+    return " ".join([*argv[:2], *(option for option in ("--method", "--twin") if option in argv)])
 
 
 def about_in_words(seconds: float) -> str:

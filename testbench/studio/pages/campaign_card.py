@@ -13,8 +13,8 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from testbench.recordings.manifest import CSV, IN_PROGRESS
-from testbench.report.figures.recording_figures import summary
-from testbench.report.figures.thumbnail import thumbnail
+from testbench.recordings.recording import Recording
+from testbench.report.figures.recording_figures import summary, thumbnail
 from testbench.studio.finding import STATES, Found
 from testbench.studio.memory import stamp
 from testbench.studio.notes import Note, tags_of
@@ -167,7 +167,8 @@ def looked_at(studio: Studio, campaign: Campaign) -> Known:
         problems = [] if growing else studio.workspace.problems(campaign.name)
         if problems:
             return Known("changed" if campaign.origin else "not ours", False, "; ".join(problems))
-        picture, facts = _sketch(studio, campaign)
+        mark = stamp(campaign.folder / CSV)
+        picture, facts = studio.sketches.recall(mark, lambda: _sketch(studio.workspace.recording(campaign.name)))
     except UserError as error:
         return Known("unreadable", False, str(error))
     if growing:  # there is nothing to hold its bytes against yet
@@ -175,13 +176,8 @@ def looked_at(studio: Studio, campaign: Campaign) -> Known:
     return Known("verified", True, picture=picture, facts=facts)
 
 
-def _sketch(studio: Studio, campaign: Campaign) -> tuple[str, str]:
-    """Thumbnail and a line of facts, drawn once."""
-
-    def draw() -> tuple[str, str]:
-        recording = studio.workspace.recording(campaign.name)
-        told = summary(recording)
-        spans = [f"{name.lower()} {span}" for name, span in told[3:4]]  # of the strain, where there is one
-        return thumbnail(recording), " · ".join([told[0][1], *spans])
-
-    return studio.sketches.recall(stamp(campaign.folder / CSV), draw)
+def _sketch(recording: Recording) -> tuple[str, str]:
+    """Thumbnail and a line of facts."""
+    told = summary(recording)
+    spans = [f"{name.lower()} {span}" for name, span in told[3:4]]  # of the strain, where there is one
+    return thumbnail(recording), " · ".join([told[0][1], *spans])

@@ -47,12 +47,8 @@ class _Editor:
             self._read()
         except UserError as error:  # the editor stays empty, and another file can be chosen
             trouble(str(error))
-        if self._is_gone():
+        if self.path != self.studio.effects.here and not self.path.is_file():
             trouble(f"{self.path} was pointed to, and is gone.", self._remedy())
-
-    def _is_gone(self) -> bool:
-        """Whether another file than the workspace's own is in use, and is not there."""
-        return self.path != self.studio.effects.here and not self.path.is_file()
 
     def _remedy(self) -> str:
         return f"Bring it back, or use another file; that of this workspace is {self.studio.effects.here}."

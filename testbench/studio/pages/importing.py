@@ -15,9 +15,8 @@ from nicegui.elements.mixins.value_element import ValueElement
 from gcode.support.errors import UserError
 from testbench.studio.importing.import_columns import Columns
 from testbench.studio.importing.import_form import Choices
-from testbench.studio.importing.import_look import Seen, described, look_at, roles_by_number, still_to_say
+from testbench.studio.importing.import_look import Seen, described, look_at, raw_table, roles_by_number, still_to_say
 from testbench.studio.importing.import_words import TITLES, left_out_in_words, page_words
-from testbench.studio.importing.raw_lines import raw_table
 from testbench.studio.jobs.job import Job, State
 from testbench.studio.parts.address import Address, address
 from testbench.studio.parts.fields import check, number_field, typed_path

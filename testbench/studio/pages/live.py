@@ -13,7 +13,7 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
-from testbench.recordings.manifest import CSV
+from testbench.recordings.manifest import CSV, read_manifest
 from testbench.report import style
 from testbench.report.figures.live_figures import LiveChannel, live
 from testbench.studio.following import Follower
@@ -98,11 +98,9 @@ class Live:
             (FORCE, "Force / N", 1.0, style.FORCE),
             (RESISTANCE, "Resistance / kΩ", 1e-3, style.CONDUCTANCE),
         ):
-            one = channel_of(self.follower, name, title, factor, colour)
-            if one is not None:
-                beside = channel_of(
-                    self.compensated, name, f"Compensated {title[0].lower()}{title[1:]}", factor, style.VERMILION
-                )
+            if one := channel_of(self.follower, name, title, factor, colour):
+                words = f"Compensated {title[0].lower()}{title[1:]}"
+                beside = channel_of(self.compensated, name, words, factor, style.VERMILION)
                 found.append(replace(one, limit=self.limits.get(name), beside=beside))
         return found
 
@@ -122,20 +120,22 @@ class Live:
             else:
                 ui.label(f"{self.job.title}: {ENDS.get(state, state)}. {said}").classes("verdict")
             with ui.row():
-                self._ways_on()
+                more = self._ways_on()
                 button("Record another", "edit", ui.navigate.reload, "outline")
-        if failed and not kept:  # else it may be gone on with
+        if failed and not more:
             await self._stop_rig()
 
-    def _ways_on(self) -> None:
+    def _ways_on(self) -> bool:
+        """The ways to what was recorded; whether it may be gone on with."""
         if not (self.folder / MANIFEST).is_file():
-            return
+            return False
         name = self.studio.workspace.name_of(self.folder)
         way_on("Open the recording", "", address("/recording", c=name))
         campaign = self.studio.workspace.campaign(name)
-        if is_unfinished(campaign):
+        if more := is_unfinished(campaign):
             again = partial(resume, self.studio, campaign, go=lambda _: ui.navigate.reload())
             button("Resume", "fiber_manual_record", again, "outline")
+        return more
 
 
 def channel_of(follower: Follower, name: str, title: str, factor: float, colour: str) -> LiveChannel | None:
@@ -149,8 +149,6 @@ def channel_of(follower: Follower, name: str, title: str, factor: float, colour:
 
 def limits_of(folder: Path) -> dict[str, float]:
     """The limits that a recording was started with, by channel; empty where it has none."""
-    from testbench.recordings.manifest import read_manifest
-
     try:
         campaign, _ = read_manifest(folder)
     except UserError:

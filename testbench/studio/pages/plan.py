@@ -11,6 +11,7 @@ from nicegui import ui
 
 from gcode.programs.stored_plan import read_plan
 from gcode.support.errors import UserError
+from gcode.trajectories.trajectory import read_csv
 from testbench.report.figures.motion_figures import motion
 from testbench.report.words import duration_in_words
 from testbench.studio.jobs.job import Job, State
@@ -155,7 +156,6 @@ def _figures(statistics: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 async def _picture(folder: Path, limits: dict[str, float]) -> None:
-    from gcode.trajectories.trajectory import read_csv
 
     planned = await aside(read_csv, folder / "trajectory.csv")
     speed, acceleration = limits.get("v_max_mm_per_s"), limits.get("a_max_mm_per_s2")
@@ -171,20 +171,15 @@ def _run_form(studio: Studio, folder: Path, program: str) -> None:
             seed = number_field("Seed of noise", 1, whole=True)
             name = ui.input("Campaign name", value=f"pes-{program}").style("min-width:300px")
         sensor.on_value_change(lambda event: name.set_value(f"{event.value}-{program}"))
-        ended = partial(open_campaign_of, studio)
+        ended, tap = partial(open_campaign_of, studio), str(folder / "program.tap")
 
         def start() -> None:
             check(seed)
             target = studio.workspace.free_name(name.value)
-            argv = ["testbench", "run", "--sensor", sensor.value, "--program", str(folder / "program.tap")]
+            argv = ["testbench", "run", "--sensor", sensor.value, "--program", tap]
             argv += ["--seed", str(int(seed.value)), "--progress-json", "-o", str(target)]
             start_in(holder, studio, f"run:{name.value}", f"Running {name.value}", argv, ended)
 
         button("Run", "play_arrow", start)
         holder = ui.column().classes("w-full")
-        of_this = partial(_plays, folder / "program.tap")
-        join_newest(holder, studio, "run", ended, partial(offer_campaign_of, studio), of_this)
-
-
-def _plays(program: Path, job: Job) -> bool:
-    return str(program) in job.argv
+        join_newest(holder, studio, "run", ended, partial(offer_campaign_of, studio), lambda job: tap in job.argv)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 from pathlib import Path
 
 from nicegui import ui
@@ -50,7 +51,10 @@ class _Form:
                 self._rig(programs)
             with ui.row().classes("items-center"):
                 self._campaign()
-            ui.label(_hint(ports_here())).classes("quiet text-sm")
+            ports = ", ".join(ports_here())
+            seen = f"Serial devices here: {ports}." if ports else "No serial device is plugged in here now."
+            under = "Beyond a limit the recording stops. The motion starts when the machine runs the program."
+            ui.label(f"{seen} {under}").classes("quiet text-sm")
             button("Record", "fiber_manual_record", self.start, "unelevated color=accent")
 
     def _rig(self, programs: list[str]) -> None:
@@ -114,16 +118,9 @@ def ports_here() -> list[str]:
     return sorted(port.device for port in comports() if port.hwid != "n/a")
 
 
-def _hint(ports: list[str]) -> str:
-    seen = f"Serial devices here: {', '.join(ports)}." if ports else "No serial device is plugged in here now."
-    return f"{seen} Beyond a limit the recording stops. The motion starts when the machine runs the program."
-
-
 def _free(studio: Studio, stem: str) -> str:
-    number = 1
-    while (studio.workspace.root / f"{stem}-{number}").exists():
-        number += 1
-    return f"{stem}-{number}"
+    names = (f"{stem}-{number}" for number in itertools.count(1))
+    return next(name for name in names if not (studio.workspace.root / name).exists())
 
 
 async def _simulated_port(studio: Studio, sensor: str, program: Path) -> str:

@@ -12,12 +12,11 @@ from testbench.comparing.words import spoken
 from testbench.diagnosis.verdict import verdict_clauses
 from testbench.recordings.recording import Recording
 from testbench.report.figures import recording_figures as figures
-from testbench.report.parameter_table import parameter_name
 from testbench.report.words import with_unit
 from testbench.results.model_file import about_model
 from testbench.results.result_files import read_diagnosis, read_score
 from testbench.studio import models
-from testbench.studio.beside import IN_BRACKETS, fitted_value, parameters_of
+from testbench.studio.beside import side_by_side
 from testbench.studio.pages.campaign.compensate import score_path
 from testbench.studio.parts.address import Address, address
 from testbench.studio.parts.picture import plot
@@ -53,9 +52,9 @@ async def page(studio: Studio, a: str = "", b: str = "", show: str = "") -> None
             ui.link(side.name, address("/recording", c=side.name)).classes("way")
     told = [(name, *(side.facts.get(name, "") for side in sides)) for name in names]
     table(("", a, b), [row for row in told if any(row[1:])])
-    if parameters := parameters_of(*(side.fit for side in sides)):
-        rows = [(parameter_name(key), *(fitted_value(side.fit, key) for side in sides)) for key in parameters]
-        table(("Parameter", a, b), rows, IN_BRACKETS)
+    parameters = side_by_side(*((side.name, side.fit, None) for side in sides))
+    if parameters.rows:
+        table(parameters.head, parameters.rows, parameters.caption)
     for side in sides:
         loops = figures.hysteresis_loops(side.recording, kohm)
         if loops:

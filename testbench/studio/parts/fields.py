@@ -46,7 +46,15 @@ def number_field(
     """
     name = label.partition(" / ")[0]
     name = name[0].lower() + name[1:]
-    rules = _rules(name, positive and not whole, whole, optional)
+    rules: Rules = {}
+    if not optional:
+        rules[f"Give the {name}."] = lambda value: value is not None
+    if whole:
+        rules[f"The {name} must be a whole number, 0 or more."] = lambda value: (
+            value is None or (value >= 0 and value == int(value))
+        )
+    elif positive:
+        rules[f"The {name} must be more than 0."] = lambda value: value is None or value > 0
     if most is not None:
         rules[f"Give a whole number from 1 to {most}."] = lambda value: (
             value is None or (1 <= value <= most and value == int(value))
@@ -61,19 +69,6 @@ def comma_taking_number(
     """A field for a number as every page has it: a decimal comma becomes a point; `look` is as in ``%.6g``."""
     field = ui.number(label, value=value, validation=rules, format=look)
     return field.on("keydown", js_handler=COMMA_IS_A_POINT)
-
-
-def _rules(name: str, positive: bool, whole: bool, optional: bool) -> Rules:
-    rules: Rules = {}
-    if not optional:
-        rules[f"Give the {name}."] = lambda value: value is not None
-    if whole:
-        rules[f"The {name} must be a whole number, 0 or more."] = lambda value: (
-            value is None or (value >= 0 and value == int(value))
-        )
-    if positive:
-        rules[f"The {name} must be more than 0."] = lambda value: value is None or value > 0
-    return rules
 
 
 def asked(where: Address, key: str, otherwise: float | None) -> float | None:

@@ -10,7 +10,7 @@ from importlib.resources import files
 from typing import Any
 
 import numpy as np
-from nicegui import events, ui
+from nicegui import app, events, ui
 from nicegui.element import Element
 from numpy.typing import NDArray
 
@@ -67,8 +67,6 @@ class Picture(Element, component="picture.js"):
 
 def serve_plotly() -> None:
     """Let the studio's own server hand out plotly.js."""
-    from nicegui import app
-
     app.add_static_file(local_file=plotly_path(), url_path=PLOTLY_URL, max_cache_age=YEAR_S)
 
 
@@ -129,13 +127,20 @@ class ZoomingPlot:
         ends = float(time_s[0]), float(time_s[-1])
         if wrong := not_there(span, ends):
             raise UserError(f"the address asks for times from {span[0]:g} to {span[1]:g} s; {wrong}")
-        self.drawn, self._on_span = drawn, on_span
+        self.drawn, self._on_span, self._ends = drawn, on_span, ends
         with _card(caption) as below:
             self.picture = Picture(looking_at(drawn(*span), span), caption)
-        with below:
-            self._fields = _Stretch(self.look, ends)
-        self._fields.tell(*span)
+        # A zoom without a mouse, and to the second.
+        with below, ui.row().classes("items-center gap-2 stretch"):
+            self.start, self.end = self._field("From / s"), self._field("to / s")
+            whole = ui.button("All", on_click=lambda: self.look(None, None))
+            whole.props("flat dense").tooltip("The whole recording")
+        self._tell(*span)
         self.picture.on("zoom", self._zoomed)
+
+    def _field(self, label: str) -> ui.number:
+        field = comma_taking_number(label, look="%.6g").props("hide-bottom-space").style("width:104px")
+        return field.on("keydown.enter", self._asked).on("blur", self._left)
 
     def look(self, start_s: float | None, end_s: float | None) -> None:
         """Zoom to a stretch, as the mouse would."""
@@ -144,36 +149,10 @@ class ZoomingPlot:
     def _zoomed(self, event: events.GenericEventArguments) -> None:
         span = zoomed_span(event.args)
         if span is not None:
-            self._fields.tell(*span)
+            self._tell(*span)
             # The range goes with the figure: plotly keeps only a range that the mouse has set.
             self.picture.show(looking_at(self.drawn(*span), span))
             self._on_span(span)
-
-
-def looking_at(figure: style.Figure, span: Span) -> style.Figure:
-    """The figure, opened on a stretch of time."""
-    if span[0] is None or span[1] is None:
-        return figure
-    layout = figure["layout"]
-    return {**figure, "layout": {**layout, "xaxis": {**layout["xaxis"], "range": [span[0], span[1]]}}}
-
-
-class _Stretch:
-    """Fields for the stretch that is looked at: a zoom without a mouse, and to the second."""
-
-    def __init__(self, look: Callable[[float | None, float | None], None], ends: tuple[float, float]) -> None:
-        self.look, self.ends = look, ends
-        with ui.row().classes("items-center gap-2 stretch"):
-            self.start = self._field("From / s")
-            self.end = self._field("to / s")
-            whole = ui.button("All", on_click=lambda: look(None, None))
-            whole.props("flat dense").tooltip("The whole recording")
-        for field in (self.start, self.end):
-            field.on("keydown.enter", self._asked).on("blur", self._left)
-        self._told: Span = (None, None)
-
-    def _field(self, label: str) -> ui.number:
-        return comma_taking_number(label, look="%.6g").props("hide-bottom-space").style("width:104px")
 
     def _left(self) -> None:
         """A field was left: the other may not have been filled yet."""
@@ -194,22 +173,25 @@ class _Stretch:
             return "to when?"
         if start_s is not None and start_s >= end_s:
             return f"before {start_s:g} s"
-        return not_there((start_s, end_s), self.ends)
+        return not_there((start_s, end_s), self._ends)
 
     def _mark(self, field: ui.number, wrong: str) -> None:
         field.props(f'error error-message="{wrong}"') if wrong else field.props(remove="error error-message")
 
-    def tell(self, start_s: float | None, end_s: float | None) -> None:
-        """Show the stretch that was chosen with the mouse; None: all."""
-        self._told = (_rounded(start_s), _rounded(end_s))
-        self.start.set_value(self._told[0])
-        self.end.set_value(self._told[1])
-        for field in (self.start, self.end):
+    def _tell(self, *span: float | None) -> None:
+        """Show the stretch that is looked at; None: all."""
+        self._told = tuple(None if time_s is None else round(time_s, 2) for time_s in span)
+        for field, time_s in zip((self.start, self.end), self._told, strict=True):
+            field.set_value(time_s)
             self._mark(field, "")
 
 
-def _rounded(time_s: float | None) -> float | None:
-    return None if time_s is None else round(time_s, 2)
+def looking_at(figure: style.Figure, span: Span) -> style.Figure:
+    """The figure, opened on a stretch of time."""
+    if span[0] is None or span[1] is None:
+        return figure
+    layout = figure["layout"]
+    return {**figure, "layout": {**layout, "xaxis": {**layout["xaxis"], "range": [span[0], span[1]]}}}
 
 
 def zoomed_span(change: dict[str, Any]) -> Span | None:

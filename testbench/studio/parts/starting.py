@@ -18,14 +18,7 @@ from testbench.studio.studio import Studio
 SHOWN_S = 300.0  # what came of a job is still said for so long
 
 
-def start_in(
-    holder: ui.column,
-    studio: Studio,
-    key: str,
-    title: str,
-    argv: Sequence[str],
-    on_end: OnEnd,
-) -> None:
+def start_in(holder: ui.column, studio: Studio, key: str, title: str, argv: Sequence[str], on_end: OnEnd) -> None:
     """Start a command and show its card in `holder`, in place of what is there."""
     _show(studio, studio.jobs.start(key, title, argv), holder, on_end)
 

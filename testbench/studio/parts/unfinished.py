@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -36,14 +37,9 @@ def is_under_way(studio: Studio, campaign: Campaign) -> bool:
     if studio.jobs.last_command(KEY_RECORDING)[-1:] == (str(campaign.folder),):
         job = studio.jobs.under_way(KEY_RECORDING)  # it was our recorder, and of that we know
         return job is not None and Path(job.argv[-1]) == campaign.folder
-    return _grew_lately(campaign.folder / CSV)
-
-
-def _grew_lately(path: Path) -> bool:
-    try:
-        return time.time() - path.stat().st_mtime < GROWN_S
-    except FileNotFoundError:
-        return False
+    with contextlib.suppress(FileNotFoundError):
+        return time.time() - (campaign.folder / CSV).stat().st_mtime < GROWN_S
+    return False
 
 
 def unfinished_card(studio: Studio, campaign: Campaign) -> None:

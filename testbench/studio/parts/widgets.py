@@ -138,22 +138,15 @@ def invitation(title: str, text: str) -> Iterator[None]:
             yield
 
 
-def download(path: Path, name: str | None = None) -> None:
-    """Hand out a file, as `name` where that is another.
-
-    Raises
-    ------
-    UserError
-        If it is gone: the browser would say nothing.
-    """
-    if not path.is_file():
-        raise UserError(f"{path}: this file is gone, so it cannot be downloaded; bring it back, or make it again")
-    ui.download(path, name)
-
-
 def download_button(title: str, path: Path, name: str | None = None, look: str = "outline") -> None:
-    """A button that hands out a file; see `download`."""
-    button(title, "download", lambda: download(path, name), look)
+    """A button that hands out a file, as `name` where that is another; of one that is gone a browser says nothing."""
+
+    def download() -> None:
+        if not path.is_file():
+            raise UserError(f"{path}: this file is gone, so it cannot be downloaded; bring it back, or make it again")
+        ui.download(path, name)
+
+    button(title, "download", download, look)
 
 
 def way_on(title: str, icon: str, url: str, look: str = "unelevated") -> None:

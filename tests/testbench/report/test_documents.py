@@ -18,7 +18,7 @@ from testbench.recordings.files import write_recording_csv
 from testbench.report import sections
 from testbench.report.document import Picture, Report, Section, Table
 from testbench.report.figures import ladder_figures, recording_figures
-from testbench.report.writing.packing import packed, plotly_path
+from testbench.report.writing.packing import plotly_path, to_json
 from testbench.report.writing.page import to_html
 from testbench.report.writing.static import write_figure
 from testbench.report.writing.write import write_report
@@ -85,9 +85,9 @@ def test_plotly_is_the_file_that_was_published() -> None:
 
 
 def test_arrays_are_packed_as_float32() -> None:
-    value = packed({"y": np.array([0.5, -1.25]), "name": "force"})
+    value = json.loads(to_json({"y": np.array([0.5, -1.25]), "name": "force"}))
     assert np.frombuffer(base64.b64decode(value["y"]["bdata"]), "<f4").tolist() == [0.5, -1.25]
-    assert packed(np.array([[1.0, np.nan]])) == [[1.0, None]]
+    assert to_json([np.array([[1.0, np.nan]]), np.int64(2), np.array(["a"])]) == '[[[1.0,null]],2,["a"]]'
 
 
 def test_markdown_names_every_figure_that_was_written(tmp_path: Path) -> None:

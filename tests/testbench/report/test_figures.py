@@ -18,7 +18,7 @@ from testbench.diagnosis.verdict import with_probability
 from testbench.measurements.preparing import prepare
 from testbench.recordings.recording import Recording
 from testbench.report import overlays, sections, style, words
-from testbench.report.downsample import rows_to_draw, thinned, window
+from testbench.report.downsample import rows_to_draw, window
 from testbench.report.figures import (
     comparison_figures,
     compensator_figures,
@@ -30,7 +30,6 @@ from testbench.report.figures import (
     recording_figures,
     residual_figures,
 )
-from testbench.report.figures.thumbnail import thumbnail
 from testbench.report.story import glance_facts
 from testbench.report.style import Figure
 from testbench.report.writing.static import draw, draw_on, write_figure
@@ -119,11 +118,6 @@ def test_one_sample_spike_survives_downsampling() -> None:
     assert rows[-1] == 99_999
 
 
-def test_thinned_rows_span_the_whole_recording() -> None:
-    assert list(thinned(5, 10)) == [0, 1, 2, 3, 4]
-    assert list(thinned(101, 3)) == [0, 50, 100]
-
-
 def test_a_window_reaches_one_sample_beyond_each_edge() -> None:
     time_s = np.arange(10.0)
     assert window(time_s, 2.5, 4.5) == slice(2, 6)
@@ -185,7 +179,7 @@ def test_loops_are_broken_where_nothing_was_recorded():
     short = both.within(both.time_s < 60.0)  # one stretch
     for one in comparison_figures.modelled_loops(short)["data"]:
         assert np.isnan(one["y"]).sum() == np.isnan(one["x"]).sum() == 1
-    rows = recording_figures.unbroken(slice(0, 6, 2), np.array([0.0, 1, 2, 9, 10, 11]), [(2.0, 9.0)])
+    rows = recording_figures.unbroken(np.arange(0, 6, 2), np.array([0.0, 1, 2, 9, 10, 11]), [(2.0, 9.0)])
     assert rows.tolist() == [0, 2, -1, 4]
 
 
@@ -253,13 +247,25 @@ def test_a_day_of_a_hold_is_told_in_hours_and_its_noise_drawn_as_a_line() -> Non
     hold = Recording(time_s, {"displacement_mm": 10.0 * (time_s > 400), "force_N": force_N}, 25.0, "hold.csv")
     told = dict(recording_figures.summary(hold))
     assert (told["Duration"], told["Samples"]) == ("24.0 h", "21 600 at 0.25 Hz")
-    force = re.findall(r'points="([^"]*)"', thumbnail(hold))[1]
+    force = re.findall(r'points="([^"]*)"', recording_figures.thumbnail(hold))[1]
     heights = [float(point.split(",")[1]) for point in force.split()]
     assert max(heights) - min(heights) < 3
 
 
+def test_a_loop_keeps_the_peak_of_a_quick_pull_before_a_day_of_a_hold() -> None:
+    time_s = np.arange(21_600) * 4.0
+    pull = np.minimum(time_s / 300, 1.0)
+    force_N = 4 * pull * np.exp(-np.maximum(time_s - 300, 0) / 600)
+    hold = Recording(time_s, {"displacement_mm": 10.0 * pull, "force_N": force_N}, 25.0, "hold.csv")
+    drawn = recording_figures.hysteresis_loops(hold)
+    assert drawn
+    (loop,) = drawn["data"]
+    assert len(loop["y"]) < 2000
+    assert loop["y"].max() == force_N.max()
+
+
 def test_thumbnail_is_one_small_svg() -> None:
-    picture = thumbnail(samples.recording())
+    picture = recording_figures.thumbnail(samples.recording())
     assert picture.startswith("<svg")
     assert picture.count("<polyline") == 2
     assert "<path" in picture

@@ -197,4 +197,4 @@ def test_what_a_parameter_is_says_the_names_of_others_in_words() -> None:
     entries = {"hysteresis.friction_N": {"value": 1.0, "unit": "N", "standard_error": 0.1}}
     table = parameter_table({"parameters": entries}, baseline() + effects.HysteresisOnTension())
     assert table is not None
-    assert table.rows[0][4] == "friction force at tension, when it slips"
+    assert table.rows[0][4] == "force at tension, slipping"

@@ -40,7 +40,7 @@ def test_earlier_steps_and_fitted_campaigns_are_offered(two_steps: Studio) -> No
 
 def test_the_table_puts_both_values_beside_each_other(two_steps: Studio) -> None:
     step, own = beside_of(two_steps, "sleeve", "0"), beside_of(two_steps, "other", "sleeve")
-    table = side_by_side(step, "now", own.model, own.fit)
+    table = side_by_side((step.label, step.fit, step.model), ("now", own.fit, own.model))
     row = next(cells for cells in table.rows if cells[0] == "elasticity: stiffness")
     now_N = own.model["elasticity"].stiffness_N  # type: ignore[attr-defined]
     assert float(row[1].removesuffix(" N")) == pytest.approx(2 * now_N, rel=0.01), "a step keeps its values alone"

@@ -252,6 +252,23 @@ async def test_a_recorder_that_did_not_begin_promises_nothing_and_leads_back(use
     await user.should_see("No program yet", retries=50)
 
 
+async def test_the_rig_of_a_recording_that_a_limit_has_ended_plays_on_to_nobody(user: User, studio: Studio) -> None:
+    folder = studio.workspace.root / "sleeve"
+    manifest = folder / "datapackage.json"
+    told = json.loads(manifest.read_text())
+    told["knitbench"] |= {"origin": "recorded", "status": "alarm"}
+    manifest.write_text(json.dumps(told))
+    job = Job(KEY_RECORDING, "Recording sleeve", ("testbench", "record", "-o", str(folder)))
+    rig = Job(KEY_RIG, "Simulated rig", ("testbench", "rig"))
+    studio.jobs.jobs += [job, rig]
+    await user.open("/record")
+    job.hear_error("error: force 2.5 N is beyond the limit of 2 N")
+    job.state, job.ended_s = State.FAILED, job.started_s
+    await user.should_see("Open the recording", retries=50)
+    await user.should_not_see("Resume")
+    assert rig.state is State.CANCELLED
+
+
 async def test_a_plan_that_failed_still_says_so_after_a_reload(user: User, studio: Studio) -> None:
     argv = ["gcode", "generate", "--preset", "paper-1", "--seed", "1", "--gauge-length-mm", "25", "--v-max=0.0001"]
     job = studio.jobs.start("plan:slow", "Planning slow", [*argv, "-o", str(studio.workspace.root / "p")])

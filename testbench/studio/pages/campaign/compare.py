@@ -11,14 +11,18 @@ import numpy as np
 from nicegui import ui
 
 from gcode.support.errors import UserError
+from testbench.comparing.cell import Cell
 from testbench.comparing.words import spoken
+from testbench.recordings.channels import RESISTANCE
 from testbench.recordings.manifest import CSV
 from testbench.report.document import Table
 from testbench.report.figures import comparison_figures as figures
 from testbench.report.figures import residual_figures
 from testbench.report.figures.comparison_figures import Overlay
 from testbench.report.figures.recording_figures import stretches_in_words
+from testbench.report.parameter_table import parameter_table
 from testbench.report.words import sentence, with_unit
+from testbench.results.model_file import load_model_file
 from testbench.studio.beside import Beside, beside_choices, beside_of, side_by_side
 from testbench.studio.memory import stamp
 from testbench.studio.models import LAST_THIRD, has_model, held_out_of, judged_on, model_path
@@ -43,9 +47,7 @@ from testbench.studio.workspace import Campaign
 
 if TYPE_CHECKING:
     from testbench.api.models.comparing import ComparisonResult
-    from testbench.comparing.cell import Cell
     from testbench.comparing.compare import Comparison
-    from testbench.results.model_file import ModelFile
 
 
 @dataclass(frozen=True)
@@ -128,7 +130,7 @@ def _choose(studio: Studio, c: str, on: str, where: Address, held: str) -> None:
             f"A model is compared with recordings of its own gauge length; that of {c} has {_gauge_in_words(own)}, "
             f"and {on} has {_gauge_in_words(there)}. The tab Compare offers those that fit."
         )
-    names = {name: f"{name} ({_role(name, c, held)})" if _role(name, c, held) else name for name in others}
+    names = {name: f"{name} ({role})" if (role := _role(name, c, held)) else name for name in others}
     models = {"": "(none)", **beside_choices(studio, c)}
     beside = where.query["beside"] if where.query["beside"] in models else ""
     with ui.row().classes("items-center justify-between w-full"):
@@ -139,7 +141,8 @@ def _choose(studio: Studio, c: str, on: str, where: Address, held: str) -> None:
             second = ui.select(models, value=beside, label="A second model beside it")
             second.style("width:min(240px, 84vw)").on_value_change(lambda event: where.go(beside=event.value))
         with ui.row().classes("items-center gap-2"):
-            quantity_toggle(where)
+            if RESISTANCE in studio.workspace.campaign(on).columns:
+                quantity_toggle(where)
             way_on("What is missing?", "search", address("/missing", c=c, show=where.query["show"]))
 
 
@@ -172,7 +175,6 @@ def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
     from testbench.api.models.comparing import compare
     from testbench.comparing.model_errors import rms_errors
     from testbench.report.overlays import as_read, maps_of, overlay_of, spans_of
-    from testbench.results.model_file import load_model_file
 
     catalogue, path = studio.effects.catalogue(), model_path(studio, c)
     file = load_model_file(path, catalogue)
@@ -187,7 +189,9 @@ def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
         for one, model in drawn.items()
     }
     notes = _notes(studio, c, found) if judged.elsewhere and judged.from_s is None else []
-    shown, parameters = as_read(both, measurement), _parameters(file, label, second)
+    shown, parameters = as_read(both, measurement), parameter_table(file.fit, file.model)
+    if second:
+        parameters = side_by_side((second.label, second.fit, second.model), (label, file.fit, file.model))
     maps = maps_of(found.comparison, measurement, both, judged.elsewhere)
     spans_s = spans_of(found.comparison, measurement, both)
     return View(shown, found.comparison, spans_s, maps, rms, parameters, notes)
@@ -212,14 +216,6 @@ def _kohm_error(both: Overlay, label: str, counts: np.ndarray, free_offset: bool
         return {}
     residual = view.residual(KOHM, label)[counts]
     return {KOHM: float(np.std(residual) if free_offset else np.sqrt(np.mean(residual**2)))}
-
-
-def _parameters(file: ModelFile, label: str, second: Beside | None) -> Table | None:
-    if second is not None:
-        return side_by_side(second, label, file.model, file.fit)
-    from testbench.report.parameter_table import parameter_table
-
-    return parameter_table(file.fit, file.model)
 
 
 def _errors(view: View, shown: Overlay) -> list[tuple[str, str]]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import os
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -10,14 +11,14 @@ from typing import Any
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
+from gcode.support.strict import open_plain
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
 from testbench.recordings.manifest import CSV
 from testbench.report.figures import compensator_figures as figures
 from testbench.report.provenance import moment
 from testbench.report.sections import short_name
 from testbench.results.result_files import read_score
 from testbench.studio.jobs.job import Job, State
-from testbench.studio.lasting import lasts_s
 from testbench.studio.models import companions
 from testbench.studio.parts.address import address
 from testbench.studio.parts.picture import plot
@@ -30,6 +31,7 @@ NEEDED = {"force": {RESISTANCE, FORCE}, "displacement": {RESISTANCE, DISPLACEMEN
 AUTO, TUNED = "auto", "tuned"
 # What the slowest filter of a method remembers at most: `compensation score` refuses a recording that ends before.
 REMEMBERS_S, TUNED_REMEMBERS_S = 31.0, 77.0
+MOST_OF_A_ROW = 1 << 14  # bytes
 AT_FIRST = 4  # campaigns of the same specimen that are chosen by themselves
 NETWORKS = {
     AUTO: "auto: several, weighted by cross-validation",
@@ -56,11 +58,6 @@ def page(studio: Studio, c: str = "", target: str = "force") -> None:
     elif kept.is_file():
         ui.label(f"The compensator of {moment(kept.stat().st_mtime)} has no score; every training ends with one.")
         _downloads(studio, c, target)
-
-
-def _judged_on(summary: dict[str, Any]) -> str:
-    number, kind = summary["recordings"], summary["over"]
-    return f"on the {kind} recording" if number == 1 else f"mean of {number} {kind} recordings"
 
 
 def compensator_path(studio: Studio, c: str, target: str) -> Path:
@@ -96,10 +93,11 @@ def _form(studio: Studio, c: str, target: str) -> None:
         def start() -> None:
             if not studio.jobs.under_way(key):
                 score_path(studio, c, target).unlink(missing_ok=True)  # it is of the compensator before
-            argv = ["compensation", "train", str(studio.workspace.campaign(c).folder), "--target", target]
-            argv += ["--method" if network.value in (AUTO, TUNED) else "--hidden", network.value]
-            argv += ["-o", str(compensator_path(studio, c, target))]
-            scoring = _scoring(studio, c, target, list(judging.field.value))
+            learnt, *others = (str(studio.workspace.campaign(name).folder) for name in (c, *judging.field.value))
+            kept = str(compensator_path(studio, c, target))
+            argv = ["compensation", "train", learnt, "--target", target]
+            argv += ["--method" if network.value in (AUTO, TUNED) else "--hidden", network.value, "-o", kept]
+            scoring = ["compensation", "score", kept, learnt, *others, "-o", str(score_path(studio, c, target))]
             commands = [(f"Training on {c}", argv), ("Scoring", scoring)]
             run_in_turn(studio, key, commands, holder, ui.navigate.reload)
 
@@ -115,8 +113,9 @@ class _Judging:
 
     def __init__(self, studio: Studio, c: str, target: str) -> None:
         self.target = target
-        self.same, rest = (_scorable(studio, names, target) for names in companions(studio, c))
-        self.lasts_s = {name: lasts_s(studio.workspace.campaign(name).folder / CSV) for name in [*self.same, *rest]}
+        self.same, rest = companions(studio, c)
+        others = [studio.workspace.campaign(name) for name in (*self.same, *rest)]
+        self.lasts_s = {one.name: lasts_s(one.folder / CSV) for one in others if NEEDED[target] <= one.columns}
         self.field = ui.select([], value=[], multiple=True, label="Judged on").props("use-chips")
         self.field.style("min-width:min(280px, 84vw)")
 
@@ -149,16 +148,22 @@ class _Judging:
         self.said.set_text(" ".join(said))
 
 
-def _scorable(studio: Studio, names: Sequence[str], target: str) -> list[str]:
-    """Those of the campaigns that a compensator of `target` can be judged on."""
-    return [name for name in names if NEEDED[target] <= studio.workspace.campaign(name).columns]
+def lasts_s(path: Path) -> float:
+    """From the first sample of a ``recording.csv`` to the last, gaps included; 0 where none can be read.
 
-
-def _scoring(studio: Studio, c: str, target: str, judged: list[str]) -> list[str]:
-    """The command that scores the compensator on what it learnt from and on others."""
-    folders = [str(studio.workspace.campaign(name).folder) for name in [c, *judged]]
-    argv = ["compensation", "score", str(compensator_path(studio, c, target)), *folders]
-    return [*argv, "-o", str(score_path(studio, c, target))]
+    Its first and its last row tell it, so that many are asked in no time.
+    """
+    try:
+        with os.fdopen(open_plain(path, "recording"), "rb") as stream:
+            names = stream.readline(MOST_OF_A_ROW).decode().strip().split(",")
+            first = stream.readline(MOST_OF_A_ROW)
+            stream.seek(max(stream.tell() - len(first), os.fstat(stream.fileno()).st_size - MOST_OF_A_ROW))
+            whole = stream.read().rpartition(b"\n")[0]  # the last line of a growing file may be half of one
+        last = whole.rpartition(b"\n")[2]
+        begun_s, ended_s = (float(row.split(b",")[names.index(TIME)]) for row in (first, last))
+    except (UserError, OSError, ValueError, IndexError):
+        return 0.0
+    return ended_s - begun_s
 
 
 def _downloads(studio: Studio, c: str, target: str) -> None:
@@ -188,9 +193,11 @@ def _show(score: Mapping[str, Any], target: str) -> None:
 
 def _facts(score: Mapping[str, Any]) -> None:
     summary = score["summary"]
+    number, kind = summary["recordings"], summary["over"]
+    judged = f"on the {kind} recording" if number == 1 else f"mean of {number} {kind} recordings"
     facts(
         [
-            (f"r² after compensation, {_judged_on(summary)}", f"{summary['r2_after']:.3f}"),
+            (f"r² after compensation, {judged}", f"{summary['r2_after']:.3f}"),
             ("r² of the raw conductance", f"{summary['r2_before']:.3f}"),
             ("gained by compensation", f"{summary['gain']:+.3f}"),
             ("parameters of the network", str(score["compensator"]["parameters"])),

@@ -10,6 +10,7 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from gcode.support.files import copy_file
+from gcode.trajectories.trajectory import read_csv
 from testbench.comparing.words import spoken
 from testbench.report.figures import experiment_figures as figures
 from testbench.report.words import experiment_in_words
@@ -92,8 +93,12 @@ def _ask(studio: Studio, c: str, diagnosis: Mapping[str, Any], where: Address) -
 
     def start() -> None:
         check(strain, minutes, speed, acceleration)
-        limits = {"--strain-max": typed(strain), "--v-max": typed(speed), "--a-max": typed(acceleration)}
-        argv = _command(studio, c, limits | {"--duration-s": f"{60 * minutes.value:.12g}"})
+        argv = ["testbench", "experiment", "--diagnosis", str(asked_path(studio, c))]
+        argv += ["--fit", str(studio.workspace.campaign(c).folder), *studio.effects.arguments()]
+        argv += models.held_out_arguments(studio, models.held_out_of(studio, c))
+        argv += ["--strain-max", typed(strain), "--v-max", typed(speed), "--a-max", typed(acceleration)]
+        argv += ["--duration-s", f"{60 * minutes.value:.12g}", "--json", str(experiment_path(studio, c))]
+        argv += ["-o", str(studio.workspace.program(program_name(c)))]
         if not studio.jobs.under_way(key):
             experiment_path(studio, c).unlink(missing_ok=True)  # it may be of another diagnosis
             copy_file(models.diagnosis_path(studio, c), asked_path(studio, c))
@@ -103,18 +108,7 @@ def _ask(studio: Studio, c: str, diagnosis: Mapping[str, Any], where: Address) -
     join_running(studio, key, holder, ui.navigate.reload)
 
 
-def _command(studio: Studio, c: str, limits: Mapping[str, str]) -> list[str]:
-    argv = ["testbench", "experiment", "--diagnosis", str(asked_path(studio, c))]
-    argv += ["--fit", str(studio.workspace.campaign(c).folder), *studio.effects.arguments()]
-    argv += models.same_held_out(studio, c)
-    for option, value in limits.items():
-        argv += [option, value]
-    argv += ["--json", str(experiment_path(studio, c))]
-    return [*argv, "-o", str(studio.workspace.program(program_name(c)))]
-
-
 async def _answer(studio: Studio, c: str, found: Mapping[str, Any]) -> None:
-    from gcode.trajectories.trajectory import read_csv
 
     folder = studio.workspace.program(program_name(c))
     ui.label(experiment_in_words(found)).classes("verdict")

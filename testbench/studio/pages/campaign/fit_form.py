@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping
 
 from nicegui import ui
 
@@ -60,19 +59,14 @@ def add_fit_form(studio: Studio, c: str, again: bool = False) -> None:
             models.refuse_while_asked(studio, c)
             if models.has_model(studio, c):  # also where this tab does not know of it yet
                 copy_file(models.model_path(studio, c), models.model_path(studio, c).with_name(models.BEFORE))
-            between = {"--clamp-play-mm": play, "--rest-s": rest}
-            said = {option: typed(field) for option, field in between.items() if field.value and field.visible}
-            argv = _fit_command(studio, c, str(held.value), said)
+            argv = ["testbench", "fit", str(studio.workspace.campaign(c).folder)]
+            argv += models.held_out_arguments(studio, str(held.value)) + studio.effects.arguments()
+            for option, field in (("--clamp-play-mm", play), ("--rest-s", rest)):
+                argv += [option, typed(field)] if field.value and field.visible else []
+            argv += ["-o", str(models.model_path(studio, c))]
             models.change_model(studio, c, [(f"Fitting the baseline to {c}", argv)], holder, ui.navigate.reload)
 
         words = "Fit the baseline anew" if again else "Fit the baseline"
         button(words, "tune", start, "outline" if again else "unelevated")
         holder = ui.column().classes("w-full")
         join_running(studio, f"model:{c}", holder, ui.navigate.reload)
-
-
-def _fit_command(studio: Studio, c: str, held_out: str, between: Mapping[str, str]) -> list[str]:
-    argv = ["testbench", "fit", str(studio.workspace.campaign(c).folder)]
-    argv += models.held_out_arguments(studio, held_out) + studio.effects.arguments()
-    argv += [word for option in between.items() for word in option]
-    return [*argv, "-o", str(models.model_path(studio, c))]

@@ -12,6 +12,7 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from testbench.comparing.words import listed, spoken
+from testbench.knit.catalogue import model_from_dict
 from testbench.report.figures import diagnosis_figures
 from testbench.report.figures import ladder_figures as figures
 from testbench.report.figures.comparison_figures import busiest_window
@@ -19,7 +20,7 @@ from testbench.report.parameter_table import parameter_table
 from testbench.report.provenance import moment
 from testbench.report.sections import fall_in_words
 from testbench.report.words import ladder_notes, verdict_in_words, with_unit
-from testbench.results.model_file import ModelFile
+from testbench.results.model_file import ModelFile, load_model_file
 from testbench.results.result_files import read_diagnosis
 from testbench.studio import models
 from testbench.studio.pages.campaign.compensate import score_path
@@ -71,7 +72,6 @@ class _Ladder:
     def __init__(self, studio: Studio, c: str, where: Address) -> None:
         from testbench.comparing.judged import held_samples
         from testbench.report.overlays import steps_in_resistance, steps_of, zero_in_words
-        from testbench.results.model_file import load_model_file
 
         self.studio, self.c, self.where = studio, c, where
         self.kohm = where.query["show"] == KOHM
@@ -89,7 +89,8 @@ class _Ladder:
         """Figures, slider, buttons."""
         last = len(self.steps) - 1
         step = last if not 0 <= step <= last else step
-        quantity_toggle(self.where)
+        if "conductance" in self.judged.measured:
+            quantity_toggle(self.where)
         self.facts = ui.column().classes("w-full")
         self.ladder = plot(figures.ladder(self.steps, step), figures.LADDER_CAPTION)
         for note in (*ladder_notes(step.label for step in self.steps), self.zero):
@@ -149,7 +150,6 @@ class _Ladder:
 
     def _glance(self, step: int) -> dict:
         """The first model and that of `step` over the held-out samples."""
-        from testbench.knit.catalogue import model_from_dict
         from testbench.report.overlays import overlay_of
 
         catalogue = self.studio.effects.catalogue()
@@ -163,9 +163,8 @@ class _Ladder:
 
     def _buttons(self, last: int) -> None:
         holder = ui.column().classes("w-full")
-        with holder:
-            self._written()
-        join_running(self.studio, f"report:{self.c}", holder, partial(self._link_to_it, holder))
+        self._written(holder)
+        join_running(self.studio, f"report:{self.c}", holder, partial(self._written, holder))
         join_running(self.studio, f"model:{self.c}", holder, ui.navigate.reload)
         with ui.row():
             undo = button("Undo the last step", "undo", lambda: self._undo(holder), "outline")
@@ -174,12 +173,12 @@ class _Ladder:
             button("Report", "description", lambda: self._report(holder), "outline")
             download_button("Model as JSON", models.model_path(self.studio, self.c))
 
-    def _written(self) -> None:
+    def _written(self, holder: ui.column) -> None:
         """The report that was written last, where there is one."""
         path = self.studio.workspace.results(self.c) / REPORT
         if not path.is_file():
             return
-        with ui.row().classes("items-center gap-3"):
+        with holder, ui.row().classes("items-center gap-3"):
             ui.icon("description").classes("quiet")
             ui.link("Open the report", report_url(self.studio, path), new_tab=True).classes("way")
             ui.label(f"of {moment(path.stat().st_mtime)}").classes("quiet text-sm")
@@ -187,7 +186,9 @@ class _Ladder:
             download_button("Download", path, name, "flat dense")
 
     def _undo(self, holder: ui.column) -> None:
-        command = models.undo_command(self.studio, self.c)
+        model = str(models.model_path(self.studio, self.c))
+        argv = ["testbench", "add", "--undo", "--model", model, *self.studio.effects.arguments(), "-o", model]
+        command = ("Taking the last step back", argv)
         models.change_model(self.studio, self.c, [command], holder, ui.navigate.reload)
 
     def _report(self, holder: ui.column) -> None:
@@ -202,11 +203,7 @@ class _Ladder:
         argv += _if_there("--compensator", score_path(self.studio, self.c, "force"))
         argv += _if_there("--commands", self.studio.commands_path(self.c))
         command = (f"Writing the report of {self.c}", [*argv, "-o", str(output)])
-        run_in_turn(self.studio, f"report:{self.c}", [command], holder, partial(self._link_to_it, holder))
-
-    def _link_to_it(self, holder: ui.column) -> None:
-        with holder:
-            self._written()
+        run_in_turn(self.studio, f"report:{self.c}", [command], holder, partial(self._written, holder))
 
 
 def report_url(studio: Studio, path: Path) -> str:

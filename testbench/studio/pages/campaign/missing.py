@@ -94,7 +94,12 @@ async def _answer(studio: Studio, diagnosis: Mapping[str, Any], where: Address) 
     if not nothing:
         with ui.row():
             if len(ranking) > 1:
-                _experiment(c, diagnosis)
+                # The way out of a tie: an experiment that separates the rivals.
+                tied = len(diagnosis.get("tied") or []) > 1
+                words = (
+                    f"Design {'the experiment that tells them apart' if tied else 'an experiment on the first two'}"
+                )
+                way_on(words, "science", address("/experiment", c=c), "unelevated" if tied else "flat")
             # The way out where no effect fits: a law of its own.
             look = "unelevated" if diagnosis["verdict"] == "unknown" else "flat"
             way_on("Propose a law", "auto_awesome", address("/propose", c=c), look)
@@ -117,13 +122,6 @@ def _better_law(studio: Studio, c: str, diagnosis: Mapping[str, Any]) -> None:
     start = partial(models.add_laws, studio, c, laws, diagnosis, holder, done)
     names = " and ".join(spoken(law) for law in laws)
     button(f"Use {names}", "swap_horiz", start)
-
-
-def _experiment(c: str, diagnosis: Mapping[str, Any]) -> None:
-    """The way out of a tie: an experiment that separates the rivals."""
-    tied = len(diagnosis.get("tied") or []) > 1
-    words = "Design the experiment that tells them apart" if tied else "Design an experiment on the first two"
-    way_on(words, "science", address("/experiment", c=c), "unelevated" if tied else "flat")
 
 
 class _Candidates:
@@ -210,9 +208,17 @@ class _Candidates:
         self.where.note_span(span)
 
     def _predicted(self, entry: Mapping[str, Any]) -> ContributionResult:
+        """What a candidate looks like in data, and what it would add on the held-out samples."""
         studio, c = self.studio, self.c
+
+        def make() -> ContributionResult:
+            from testbench.api.missing.contributing import contribution
+
+            recording, other = studio.workspace.recording(c), models.held_out_recording(studio, c)
+            effects = studio.effects.catalogue()
+            return contribution(self.diagnosis, entry["law"], recording, other, effects=effects)
+
         files = stamp(models.diagnosis_path(studio, c), models.model_path(studio, c), studio.effects.file)
-        make = partial(contribution_of, studio, c, self.diagnosis, entry)
         return studio.memory.recall(("predicted", c, entry["law"], files), make)
 
     def _add(self, entry: Mapping[str, Any]) -> None:
@@ -221,8 +227,9 @@ class _Candidates:
         models.check_is_lacking(self.studio, self.c, [entry["law"]])
         done = partial(ui.navigate.to, address("/ladder", c=self.c))
         found = [one["law"] for one in self.diagnosis["found"]]
+        misfits = self.diagnosis.get("other_laws") or self.diagnosis.get("base_misfits")
         # What the diagnosis has refitted already need not be fitted again: all that it found, or the shapes alone.
-        if self._is_fresh() and (found == [entry["law"]] or (not found and self._base_misfits())):
+        if self._is_fresh() and (found == [entry["law"]] or (not found and misfits)):
             models.adopt_diagnosed(self.studio, self.c, self.diagnosis)
             if found:
                 done()
@@ -231,27 +238,7 @@ class _Candidates:
         laws = laws_with(self.diagnosis, entry["law"], path, self.studio.effects.catalogue())
         models.add_laws(self.studio, self.c, laws, self.diagnosis, self.holder, done)
 
-    def _base_misfits(self) -> bool:
-        """Whether the base needs other laws or shapes, whatever else is missing."""
-        return bool(self.diagnosis.get("other_laws") or self.diagnosis.get("base_misfits"))
-
     def _is_fresh(self) -> bool:
         """Whether the diagnosis was made of the model as it is now, and its own model is there."""
         own = models.diagnosed_path(self.studio, self.c)
         return own.is_file() and models.is_fresh(self.studio, self.c, self.diagnosis)
-
-
-def contribution_of(
-    studio: Studio, c: str, diagnosis: Mapping[str, Any], entry: Mapping[str, Any]
-) -> ContributionResult:
-    """What a candidate looks like in data, and what it would add on the held-out samples.
-
-    Raises
-    ------
-    UserError
-        If the diagnosis names an effect that is not in the catalogue any more.
-    """
-    from testbench.api.missing.contributing import contribution
-
-    recording, other = studio.workspace.recording(c), models.held_out_recording(studio, c)
-    return contribution(diagnosis, entry["law"], recording, other, effects=studio.effects.catalogue())

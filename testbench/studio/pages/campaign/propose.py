@@ -83,7 +83,8 @@ def _ask(studio: Studio, c: str) -> None:
 async def _answer(studio: Studio, c: str, kept: proposed_law.Kept) -> None:
     found = kept.found
     with ui.column().classes("card gap-2"):
-        ui.label(_verdict(found)).classes("verdict")
+        proposed = f"Proposed: {'; then '.join(law.words for law in found.laws)}."
+        ui.label(VERDICTS.get(found.verdict, proposed)).classes("verdict")
         if found.rejected:
             ui.label(f"Found, but not held: {found.rejected.words}.").classes("quiet")
         for note in found.not_judged:
@@ -99,12 +100,6 @@ async def _answer(studio: Studio, c: str, kept: proposed_law.Kept) -> None:
         _picture(studio, kept)
     with ui.expansion("The effect file", icon="code").classes("card").style("padding:0"):
         ui.label(kept.code).classes("formula")
-
-
-def _verdict(found: proposed_law.Proposal) -> str:
-    if found.verdict != "proposed":
-        return VERDICTS[found.verdict]
-    return f"Proposed: {'; then '.join(law.words for law in found.laws)}."
 
 
 def _errors(found: proposed_law.Proposal) -> list[tuple[str, str]]:
@@ -153,7 +148,7 @@ async def _law(law: proposed_law.FoundLaw, errors: Mapping[str, float]) -> None:
             _formula(line, svg)
         with ui.expansion("LaTeX").props("dense").classes("w-full"):
             ui.label(law.latex).classes("formula")
-    rows = [(*_named(law, key), _value(law, key, errors)) for key in law.parameters]
+    rows = [_parameter(law, key, errors.get(f"{law.effect}.{key}")) for key in law.parameters]
     table(("Symbol", "What it is", "Value"), rows, _evidence(law))
     if law.alternatives:
         others = [(other.words, _against(other, law)) for other in law.alternatives[:SHOWN]]
@@ -171,18 +166,11 @@ def _formula(line: str, svg: str) -> None:
         ui.label(words).classes("formula")
 
 
-def _named(law: proposed_law.FoundLaw, key: str) -> tuple[str, str]:
-    """Symbol and meaning of a parameter."""
+def _parameter(law: proposed_law.FoundLaw, key: str, error: float | None) -> tuple[str, str, str]:
+    """Symbol, meaning and value of a parameter."""
     symbol, _, meaning = law.meanings.get(key, "").partition(": ")
-    return symbol or spoken(key), meaning
-
-
-def _value(law: proposed_law.FoundLaw, key: str, errors: Mapping[str, float]) -> str:
     value, unit = law.parameters[key], law.units.get(key, "")
-    error = errors.get(f"{law.effect}.{key}")
-    if error:
-        return with_error(value, error, unit)
-    return in_words(value, unit)
+    return symbol or spoken(key), meaning, with_error(value, error, unit) if error else in_words(value, unit)
 
 
 def _evidence(law: proposed_law.FoundLaw) -> str:

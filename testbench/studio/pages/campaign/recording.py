@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Mapping
 from functools import partial
+from typing import Any
 
 from nicegui import ui
 
 from gcode.support.errors import UserError
+from gcode.support.strict import read_text
+from testbench.comparing.words import spoken
 from testbench.recordings.channels import RESISTANCE
-from testbench.recordings.manifest import CSV, IN_PROGRESS
+from testbench.recordings.manifest import CSV, IN_PROGRESS, read_manifest
 from testbench.recordings.recording import Recording
 from testbench.report.figures import recording_figures as figures
+from testbench.report.provenance import moment
 from testbench.studio.models import has_model, judged_on
 from testbench.studio.pages.campaign.align import program_of
 from testbench.studio.pages.campaign.compare import view_of
 from testbench.studio.parts.address import Address, address, span_of
-from testbench.studio.parts.origin import provenance
 from testbench.studio.parts.picture import ZoomingPlot, plot
 from testbench.studio.parts.unfinished import is_under_way, is_unfinished, under_way_card, unfinished_card
 from testbench.studio.parts.widgets import (
@@ -28,6 +32,7 @@ from testbench.studio.parts.widgets import (
     guarded,
     later,
     quantity_toggle,
+    table,
     trouble,
     way_on,
 )
@@ -59,7 +64,7 @@ async def page(studio: Studio, c: str = "", show: str = "", start: str = "", end
     drawn = partial(figures.time_series, recording, resistance=kohm)
     ZoomingPlot(drawn, caption, recording.time_s, span_of(start, end), where.note_span)
     later(partial(_below, studio, campaign, recording, kohm))
-    later(partial(provenance, studio, c))
+    later(partial(_origin, studio, campaign))
     later(partial(_prepare, studio, c))
 
 
@@ -74,6 +79,32 @@ def _below(studio: Studio, campaign: Campaign, recording: Recording, kohm: bool)
         download_button("Download CSV", campaign.folder / CSV, f"{campaign.folder.name}.csv")
         if program_of(studio, campaign.name).is_file():
             way_on("Compare with the plan", "compare_arrows", address("/align", c=campaign.name), "outline")
+
+
+def _origin(studio: Studio, campaign: Campaign) -> None:
+    """Where it came from: recipe, counts, software, files with their checksums, and what was run."""
+    try:
+        made, resources = read_manifest(campaign.folder)
+    except UserError:
+        return
+    rows = [("Origin", made.origin), ("Ended", made.status), ("Manifest written", moment(campaign.made_s))]
+    rows += [*_flat("Recipe", made.recipe), *_flat("Counts", made.counts), *_flat("Software", made.versions)]
+    files = [(one.path, (one.hash or "").removeprefix("sha256:")) for one in resources]
+    with ui.expansion("Where it comes from", icon="history_edu").classes("card").style("padding:0"):
+        table(("", ""), rows)
+        table(("File", "SHA-256"), files)
+        path = studio.commands_path(campaign.name)
+        if path.is_file():
+            ui.label(read_text(path, "list of commands", 1 << 20)).classes("formula")
+
+
+def _flat(title: str, values: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Plain values of a mapping; what is nested is in the manifest."""
+    return [
+        (f"{title}: {spoken(name)}", str(value))
+        for name, value in values.items()
+        if isinstance(value, str | int | float) and value != ""
+    ]
 
 
 async def _prepare(studio: Studio, c: str) -> None:

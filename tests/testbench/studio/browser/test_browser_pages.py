@@ -306,6 +306,9 @@ def test_a_report_opens_without_a_network(finished: Path, page, tmp_path: Path) 
     page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
     page.wait_for_function("() => document.querySelectorAll('.plot:not([data-drawn])').length === 0")
     shot(page, "report")
+    page.emulate_media(media="print")
+    left = "what => document.querySelector(what).getBoundingClientRect().left"
+    assert page.evaluate(left, "section .plot") == page.evaluate(left, "main"), "nothing widens the paper"
 
 
 LONG = "the_second_specimen-of-the-double-knit_polyester-and-lycra_with-a-name-that-goes-on_2023-11-27_run-42"

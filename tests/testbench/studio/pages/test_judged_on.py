@@ -16,9 +16,8 @@ from compensation.training.tuning import BANKS
 from testbench.comparing import clamping
 from testbench.knit.catalogue import baseline
 from testbench.measurements.preparing import prepare
-from testbench.studio.lasting import lasts_s
 from testbench.studio.pages.campaign import compare, compensate
-from testbench.studio.pages.campaign.compensate import REMEMBERS_S, TUNED_REMEMBERS_S
+from testbench.studio.pages.campaign.compensate import REMEMBERS_S, TUNED_REMEMBERS_S, lasts_s
 from testbench.studio.studio import Studio
 
 

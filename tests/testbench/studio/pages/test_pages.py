@@ -349,3 +349,14 @@ async def test_what_was_changed_on_disk_meanwhile_is_not_overwritten(user: User,
     user.find("Save and check").click()
     await asyncio.sleep(0)
     assert studio.jobs.find("effects") is not None
+
+
+async def test_no_resistance_is_offered_where_none_was_recorded(user: User, fitted: Studio, tmp_path: Path) -> None:
+    (tmp_path / "pull.csv").write_text("time_s,displacement_mm,force_N\n0,0,0.1\n0.01,1,0.2\n")
+    target = str(fitted.workspace.root / "pull")
+    assert run_testbench(["import", str(tmp_path / "pull.csv"), "--gauge-length-mm", "25", "-o", target]) == 0
+    await user.open("/compare?c=sleeve")
+    await user.should_see(kind=ui.toggle)
+    await user.open("/compare?c=sleeve&on=pull")
+    await user.should_see("Compared with the recording of")
+    await user.should_not_see(kind=ui.toggle)
