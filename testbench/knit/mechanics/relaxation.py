@@ -301,7 +301,7 @@ class StressRelaxationActivated(RelaxingArm):
 
         return x - x[0] - activated_flow(np.ascontiguousarray(x), self.activation, self.tau_s, dt_s)
 
-    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> Points:
         return [{"tau_s": tau_s, "activation": one} for tau_s in (10.0, 100.0, 1e4) for one in (0.03, 0.1, 0.3)]
 
 
