@@ -27,6 +27,8 @@ from testbench.rig.protocol.stream import Intake
 from testbench.rig.simulation.at_once import at_once
 from testbench.rig.simulation.simulated import Motion
 
+COARSE_STEP = 0.01  # of a reading, which one code of the divider's ADC changes; by 0.02 % on the paper's bench
+
 
 def matches(folder: Path, plan: Plan) -> bool:
     """Whether `folder` already holds the finished campaign of `plan`, every byte of it."""
@@ -63,7 +65,7 @@ def simulate_campaign(
         if status.state in DISK_STATES:
             raise UserError(f"{folder}: nothing was kept, {status.message}; make room, or choose another place")
         _check_accepted(folder, status)
-    return status
+    return replace(status, message=_coarse(plan, status))
 
 
 def simulate_live(
@@ -90,7 +92,20 @@ def simulate_live(
     intake = Intake(host_clock=pace is not in_memory)
     status = _fill(folder, plan, motion, report, pace(plan.rig(motion).lines()), intake, stopped)
     _check_accepted(folder, status)
-    return status
+    return replace(status, message=status.message or _coarse(plan, status))
+
+
+def _coarse(plan: Plan, status: Status) -> str:
+    """What to say of a divider that does not suit the sensor; empty where it does."""
+    divider, ohm = plan.instruments.divider, status.resistance_ohm
+    if not ohm:
+        return ""
+    share = divider.reference_ohm / ohm
+    step = (1 + share) ** 2 / share * divider.full_scale_V / 2**15 / divider.supply_V
+    if step < COARSE_STEP:
+        return ""
+    steps = f"the divider reads the resistance in steps of {100 * step:.0f} %"
+    return f"{steps}: give it a reference nearer to {ohm:.2g} ohm"
 
 
 def _check_accepted(folder: Path, status: Status) -> None:

@@ -96,7 +96,8 @@ class RunResult(CampaignResult):
         if self.status is None:
             return f"{self.folder}: already there and intact; not run again"
         done = f"{self.status.samples} samples in {self.status.time_s:.0f} s of motion"
-        return f"{self.folder}: {done}, {self.sensor}, seed {self.seed}"
+        told = f"; {self.status.message}" if self.status.message else ""
+        return f"{self.folder}: {done}, {self.sensor}, seed {self.seed}{told}"
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready form: folder, sensor, seed, and whether it was made now."""

@@ -80,6 +80,13 @@ def test_a_run_is_not_repeated_and_not_overwritten_unasked(words, tmp_path, caps
     assert recipe["instruments"]["divider"]["reference_ohm"] == 1000
 
 
+@pytest.mark.parametrize(("reference_ohm", "told"), [("1", True), ("1e12", True), ("606000", False), ("1e7", False)])
+def test_a_divider_that_does_not_suit_the_sensor_is_told(tmp_path, capsys, reference_ohm, told):
+    out = ["--program", str(program(tmp_path)), "-o", str(tmp_path / "c"), "--divider-ohm", reference_ohm]
+    assert cli.main(["run", "--sensor", "pes", *out]) == 0
+    assert ("in steps of" in capsys.readouterr().out) == told
+
+
 def test_a_thermometer_is_recorded_and_the_knit_feels_the_room(words, tmp_path):
     assert cli.main([*words, "-o", str(tmp_path / "still")]) == 0
     assert cli.main([*words, "--room-swing-c", "3", "-o", str(tmp_path / "room")]) == 0
