@@ -57,6 +57,7 @@ class _Parser(argparse.ArgumentParser):
         super().__init__(**settings)
         self.register("type", int, _number(int, "a whole number"))
         self.register("type", float, _number(float, "a number"))
+        self._negative_number_matcher = re.compile(r"-(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$", re.IGNORECASE)  # -1e-3, too
 
     def error(self, message: str) -> NoReturn:
         self.exit(EXIT_BAD_INPUT, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
