@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable
 from dataclasses import replace
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -81,7 +80,7 @@ def simulate_live(
     Parameters
     ----------
     pace : callable
-        Makes a link of the rig's lines, for instance `testbench.rig.connection.links.real_time`.
+        Makes a link of the rig's lines, for instance `testbench.rig.connection.parts.real_time`.
     stopped : callable
         Whether to end early.
     """
@@ -144,12 +143,11 @@ def filled(
     link: Iterable[Part],
     stopped: Callable[[], bool],
     first: Iterable[Item] = (),
-    again: Iterable[None] = (),
 ) -> Status:
     """Let a recorder take what `link` delivers, close its files in `folder`, and write the manifest over them.
 
     A disk that does not even take the manifest leaves the campaign unfinished, as a killed recorder does: its files
-    are as readable as those, and `testbench record --resume` takes it up. Each element of `again` is another trial.
+    are as readable as those, and `testbench record --resume` takes it up.
 
     Parameters
     ----------
@@ -169,7 +167,7 @@ def filled(
     counted |= {"sync_failures": status.sync_failures} if status.sync_failures else {}
     campaign = Campaign(recorder.gauge_length_mm, origin, status.state, recipe, counted, software_versions())
     problem = "a file could not be closed with a whole line"
-    for _ in chain([None], again) if whole else ():
+    for _ in recorder.trials() if whole else ():
         try:
             write_manifest(folder, campaign, campaign_files(folder))
             return status

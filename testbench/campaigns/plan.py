@@ -18,8 +18,7 @@ from testbench.recordings.files import check_beside
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.manifest import read_manifest
 from testbench.rig.acquisition.ending import EndOfMotion
-from testbench.rig.simulation.past import DEFAULT_REST_S, past_displacement
-from testbench.rig.simulation.played import played
+from testbench.rig.simulation.played import DEFAULT_REST_S, past_displacement, played
 from testbench.rig.simulation.simulated import SIMULATED_HZ, Motion, SimulatedRig
 from testbench.trust import named_effects
 

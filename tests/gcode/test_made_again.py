@@ -10,7 +10,7 @@ import pytest
 import gcode
 from gcode.cli import main
 from gcode.mach4.controller import Machine
-from gcode.mach4.seal import seal_problem, sealed
+from gcode.mach4.header import seal_problem, sealed
 from gcode.programs.made_again import check_file
 from gcode.programs.make import make
 from gcode.trajectories.bounds import Limits

@@ -25,9 +25,8 @@ from testbench.recordings.recording import Recording
 from testbench.recordings.stored import MOST_SEEDS
 from testbench.rig.acquisition.recorder import Report, Status
 from testbench.rig.acquisition.stopping import stop_signals
-from testbench.rig.connection.links import real_time as at_the_machines_pace
-from testbench.rig.simulation.past import DEFAULT_REST_S, LONGEST_REST_S
-from testbench.rig.simulation.played import played
+from testbench.rig.connection.parts import real_time as at_the_machines_pace
+from testbench.rig.simulation.played import DEFAULT_REST_S, LONGEST_REST_S, played
 from testbench.rig.simulation.simulated import Motion
 
 if TYPE_CHECKING:

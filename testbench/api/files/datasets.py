@@ -12,8 +12,14 @@ from gcode.support.errors import UserError
 from gcode.support.html import card, frame_table
 from gcode.support.kinds import path_of, whole
 from testbench.api.arguments import own_file
-from testbench.campaigns.datasets.cluster import cluster
-from testbench.campaigns.datasets.dataset import OneAtATime, drop_stale_parquet, run, write_index, write_parquet
+from testbench.campaigns.datasets.dataset import (
+    OneAtATime,
+    cluster,
+    drop_stale_parquet,
+    run,
+    write_index,
+    write_parquet,
+)
 from testbench.campaigns.datasets.index import is_campaign, listed
 from testbench.campaigns.datasets.spec import read_spec
 from testbench.campaigns.datasets.tasks import tasks_of

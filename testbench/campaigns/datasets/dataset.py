@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import fcntl
 import os
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from gcode.support import strict
@@ -21,6 +21,8 @@ from testbench.campaigns.datasets.splits import SPLITS, split_of
 from testbench.campaigns.datasets.tasks import Task, motion_of
 from testbench.campaigns.plan import Plan
 from testbench.recordings import manifest
+
+CONNECT_S = 10  # until a Dask scheduler is given up
 
 
 def make(task: Task) -> bool:
@@ -35,6 +37,32 @@ def make(task: Task) -> bool:
         if not _there(task.folder, plan):
             raise
     return True
+
+
+@contextmanager
+def cluster(address: str | None) -> Iterator[None]:
+    """Within the block, joblib's ``dask`` backend works on the cluster at `address`; without one, do nothing.
+
+    Raises
+    ------
+    UserError
+        If Dask is not installed or the scheduler does not answer.
+    """
+    if address is None:
+        yield
+        return
+    try:
+        from distributed import Client
+    except ImportError:
+        raise UserError("a Dask cluster needs the extra: pip install 'knitbench[dask]'") from None
+    try:
+        client = Client(address, timeout=CONNECT_S)
+    except (OSError, ValueError, TimeoutError) as error:
+        raise UserError(
+            f"{address}: no Dask scheduler answers there ({type(error).__name__}); check `scheduler`"
+        ) from None
+    with client:
+        yield
 
 
 def run(

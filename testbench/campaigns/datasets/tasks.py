@@ -24,8 +24,7 @@ from testbench.knit.model import KnitModel
 from testbench.knit.presets import preset
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.stored import FILE_NAME, read_model
-from testbench.rig.simulation.past import DEFAULT_REST_S
-from testbench.rig.simulation.played import played
+from testbench.rig.simulation.played import DEFAULT_REST_S, played
 from testbench.rig.simulation.simulated import Motion
 from testbench.trust import named_effects
 
@@ -164,7 +163,7 @@ def _found(patterns: Sequence[str], base: Path) -> list[Path]:
 def _planned(wish: TrajectoryWish, gauge_length_mm: float, base: Path, out: Path) -> list[Path]:
     from gcode.programs.api import generate
     from gcode.trajectories.presets import preset as motion_preset
-    from gcode.trajectories.toml_spec import read_spec
+    from gcode.trajectories.trajectory import read_spec
 
     given = motion_preset(wish.preset) if wish.preset else read_spec(base / str(wish.spec))
     folder = (out / PROGRAMS).absolute()

@@ -20,8 +20,7 @@ from testbench.recordings.manifest import CSV
 from testbench.recordings.stored import EVENTS, StoredEvent
 from testbench.rig.acquisition.ending import EndOfMotion
 from testbench.rig.acquisition.sink import BAD
-from testbench.rig.protocol.file_lines import bad_line
-from testbench.rig.protocol.items import Bad
+from testbench.rig.protocol.items import Bad, bad_line
 from testbench.rig.protocol.stream import Anchor, Intake, LateLine
 from testbench.rig.protocol.wire import MICROS_WRAP, SEQUENCE_WRAP
 

@@ -22,8 +22,7 @@ from testbench.recordings.channels import TIME
 from testbench.recordings.manifest import CSV
 from testbench.recordings.stored import EVENTS
 from testbench.rig.acquisition.appender import Appender
-from testbench.rig.protocol.file_lines import bad_line, csv_line, event_line, header_line
-from testbench.rig.protocol.items import Bad, Item, Lines, Row
+from testbench.rig.protocol.items import Bad, Item, Lines, Row, bad_line, csv_line, event_line, header_line
 
 BAD = "recording.bad"
 COMPENSATED = "compensated.csv"  # what a compensator made of it while it was recorded

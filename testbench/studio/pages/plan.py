@@ -9,7 +9,7 @@ from typing import Any
 
 from nicegui import ui
 
-from gcode.programs.stored_plan import read_plan
+from gcode.programs.make import read_plan
 from gcode.support.errors import UserError
 from testbench.report.figures.motion_figures import motion
 from testbench.report.words import duration_in_words

@@ -13,8 +13,7 @@ from testbench.campaigns.plan import plan_of
 from testbench.knit.catalogue import baseline
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems
-from testbench.rig.connection.links import paced
-from testbench.rig.connection.parts import in_memory
+from testbench.rig.connection.parts import in_memory, paced
 from testbench.rig.protocol.wire import decode
 from testbench.rig.simulation.played import played
 from tests.testbench.rig.rigs import plan, program, rig

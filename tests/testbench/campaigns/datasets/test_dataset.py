@@ -248,7 +248,7 @@ def test_drafts_of_killed_workers_are_cleared_away(tmp_path):
 
 def test_a_scheduler_that_is_not_there_is_said_in_a_sentence(tmp_path, capsys, monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr("testbench.campaigns.datasets.cluster.CONNECT_S", 1)
+    monkeypatch.setattr("testbench.campaigns.datasets.dataset.CONNECT_S", 1)
     words = ["dataset", str(written(tmp_path)), "-o", str(tmp_path / "out"), "--scheduler", "tcp://127.0.0.1:9"]
     assert cli.main(words) == 2
     assert "no Dask scheduler answers there" in capsys.readouterr().err

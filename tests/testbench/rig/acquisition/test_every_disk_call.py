@@ -26,8 +26,7 @@ from testbench.recordings.manifest import NAME, problems, read_manifest
 from testbench.results.model_file import ModelFile, load_model_file
 from testbench.rig.acquisition.recorder import Limits
 from testbench.rig.connection.parts import Chunk, End
-from testbench.rig.protocol.file_lines import csv_line
-from testbench.rig.protocol.items import Row
+from testbench.rig.protocol.items import Row, csv_line
 from testbench.rig.protocol.stream import Intake
 from tests.faulty_disk import AFTER_A_CUT, FaultyDisk, PowerCut
 from tests.testbench.rig.rigs import plan, program, rig, triangle
