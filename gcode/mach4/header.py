@@ -4,8 +4,8 @@ Nested values become dotted keys, ``(SPEC.PIECES.0.OCTAVES: 2)``. Mach4 comments
 text values are lower case in the data and survive the change of case.
 
 The last comment is the seal: the SHA-256 of everything else in the file. It finds a line that was lost, swapped or
-changed on the way to the machine. Line ends do not count: Mach4 runs on Windows, and a file may get others there. It is no
-signature; `gcode.programs.made_again` makes the program again from its recipe.
+changed on the way to the machine. Line ends do not count: Mach4 runs on Windows, and a file may get others there. It
+is no signature; `gcode.programs.made_again` makes the program again from its recipe.
 """
 
 from __future__ import annotations

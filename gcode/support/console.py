@@ -219,32 +219,21 @@ def printable(text: str) -> str:
     return "".join(char if char.isprintable() or char in "\n\t" else ascii(char)[1:-1] for char in text)
 
 
-class _Printable:
+class _Printable(streams.Beside):
     """A stream that is written to through `printable`, which shows names that are no text (lone surrogates), too.
 
     Where its reader has gone (head, less), which is its right, the work goes on: to its files and its exit code.
     """
 
-    def __init__(self, stream: TextIO) -> None:
-        self._stream = stream
-
     def write(self, text: str) -> int:
         """Write what may be shown."""
-        self._unless_gone(lambda: self._stream.write(printable(text)))
-        return len(text)
+        return super().write(printable(text))
 
-    def flush(self) -> None:
-        """Pass it on."""
-        self._unless_gone(self._stream.flush)
-
-    def _unless_gone(self, act: Callable[[], object]) -> None:
+    def _act(self, call: Callable[[], object]) -> None:
         try:
-            act()
+            call()
         except BrokenPipeError:
             os.dup2(os.open(os.devnull, os.O_WRONLY), self._stream.fileno())
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._stream, name)
 
 
 class Progress:

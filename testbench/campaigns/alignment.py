@@ -164,15 +164,21 @@ def _tracked(seen: FloatArray, planned: FloatArray, lag: int, quality: float) ->
 
 def _place_in(planned: FloatArray, window: FloatArray) -> int:
     """Where in the plan a window correlates best, wherever it moves most; before and behind it the stage stands."""
+    size = len(window)
+    return int(np.argmax(_correlations(np.pad(planned, size, mode="edge"), window))) - size
+
+
+def _correlations(planned: FloatArray, window: FloatArray) -> FloatArray:
+    """Of a window with each part of a plan that is as long, times the window's norm; 0 where nothing moves."""
     from scipy.signal import correlate
 
     size = len(window)
-    a, b = window - window.mean(), np.pad(planned, size, mode="edge") - planned.mean()
+    a, b = window - window.mean(), planned - planned.mean()
     sums = correlate(b, a, mode="valid", method="fft")
     total, squares = (np.concatenate([[0.0], np.cumsum(values)]) for values in (b, b**2))
     energy = squares[size:] - squares[:-size] - (total[size:] - total[:-size]) ** 2 / size
-    least = 1e-9 * max(float(energy.max()), 1e-300)  # where nothing moves, nothing correlates
-    return int(np.argmax(np.where(energy > least, sums / np.sqrt(np.maximum(energy, least)), 0.0))) - size
+    least = 1e-9 * max(float(energy.max()), 1e-300)
+    return np.where(energy > least, sums / np.sqrt(np.maximum(energy, least)), 0.0)
 
 
 def _window_lag(window: FloatArray, planned: FloatArray, start: int, near: int, reach: int) -> float | None:
@@ -180,10 +186,7 @@ def _window_lag(window: FloatArray, planned: FloatArray, start: int, near: int, 
     first, last = start - near - reach, start - near + reach + len(window)
     if first < 0 or last > len(planned) or np.ptp(window) == 0:
         return None
-    views = np.lib.stride_tricks.sliding_window_view(planned[first:last], len(window))
-    a, b = window - window.mean(), views - views.mean(axis=1, keepdims=True)
-    norms = np.linalg.norm(b, axis=1)
-    scores = b @ a / np.where(norms > 0, norms, np.inf)
+    scores = _correlations(planned[first:last], window)
     best = int(np.argmax(scores))
     if not 0 < best < len(scores) - 1:
         return None

@@ -19,7 +19,7 @@ from testbench.recordings.recording import Recording
 from testbench.recordings.stored import EVENTS
 from testbench.recordings.versions import software_versions
 from testbench.rig.acquisition.recorder import DISK_STATES, Recorder, Report, Status, counts
-from testbench.rig.acquisition.sink import BAD, COMPENSATED, Sink, Syncer
+from testbench.rig.acquisition.sink import BAD, COMPENSATED, Sink, synced
 from testbench.rig.connection.parts import Part, in_memory
 from testbench.rig.protocol.items import Item
 from testbench.rig.protocol.stream import Intake
@@ -157,7 +157,7 @@ def filled(
     sink, intake = recorder.sink, recorder.intake
     try:
         sink.write(first)
-        with Syncer(sink):
+        with synced(sink):
             status = recorder.run(link, stopped)
     finally:
         whole = sink.close()

@@ -13,9 +13,9 @@ from gcode.support.html import card, frame_table
 from gcode.support.kinds import path_of, whole
 from testbench.api.arguments import own_file
 from testbench.campaigns.datasets.dataset import (
-    OneAtATime,
     cluster,
     drop_stale_parquet,
+    one_at_a_time,
     run,
     write_index,
     write_parquet,
@@ -139,7 +139,7 @@ def dataset(
     wanted = read_spec(spec)
     if is_campaign(out):
         raise UserError(f"{out}: is a campaign itself; choose another folder for the data set")
-    with OneAtATime(out):
+    with one_at_a_time(out):
         tasks = tasks_of(wanted, spec.parent, out, own)
         with cluster(scheduler):
             made, there = run(tasks, "dask" if scheduler else "loky", workers, _counting(progress, len(tasks)))
