@@ -248,13 +248,11 @@ class Progress:
         What is being done.
     total : int
         Number of steps.
-    clock : callable
-        Monotonic seconds; injected by tests.
     """
 
-    def __init__(self, label: str, total: int, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, label: str, total: int) -> None:
         self.label, self.total, self.done = label, max(total, 1), 0
-        self._clock, self._start = clock, clock()
+        self._start = time.monotonic()
         self._live = sys.stderr.isatty()
         self._json = os.environ.get("KNITBENCH_PROGRESS") == "json"
 
@@ -267,7 +265,7 @@ class Progress:
             return
         if not self._live:
             return
-        elapsed = self._clock() - self._start
+        elapsed = time.monotonic() - self._start
         left = elapsed / self.done * (self.total - self.done)
         end = "\n" if self.done >= self.total else ""
         text = f"{self.label}: {self.done}/{self.total}, {left:.0f} s left {note}"

@@ -33,12 +33,12 @@ FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 @contextlib.contextmanager
-def synced(sink: Sink, period_s: float = 1.0) -> Iterator[None]:
-    """Within the block, a thread calls `Sink.sync` once a period, so that no slow disk keeps a recorder waiting."""
+def synced(sink: Sink) -> Iterator[None]:
+    """Within the block, a thread calls `Sink.sync` every second, so that no slow disk keeps a recorder waiting."""
     ended = threading.Event()
 
     def sync() -> None:
-        while not ended.wait(period_s):
+        while not ended.wait(1.0):
             sink.sync()
 
     thread = threading.Thread(target=sync, daemon=True)
