@@ -273,6 +273,5 @@ def _event(path: Path, line: bytes) -> StoredEvent | None:
 
 def _fixed(text: bytes) -> int:
     """Six decimals as a whole number of millionths, exactly."""
-    sign = -1 if text.startswith(b"-") else 1
-    whole, _, fraction = text.lstrip(b"-").partition(b".")
-    return sign * (int(whole) * 1_000_000 + int(fraction.ljust(6, b"0")))
+    whole, _, fraction = text.partition(b".")
+    return int(whole + fraction.ljust(6, b"0"))
