@@ -113,7 +113,7 @@ class Hung(BaseException):
 
 def good_files(folder: Path) -> dict[str, Path]:
     """A small good file for each place: made by the commands themselves, so that every loader takes it."""
-    from gcode.trajectories.toml_spec import spec_to_toml
+    from gcode.trajectories.trajectory import spec_to_toml
     from tests.fuzz.targets import DATASET, SPEC, TABLE, samples
     from tests.testbench.builders import record, truth, write_csv
     from tests.testbench.rig.rigs import PROGRAM_TEXT, program

@@ -36,8 +36,7 @@ from testbench.recordings.files import write_recording_csv
 from testbench.recordings.manifest import Campaign, write_manifest
 from testbench.recordings.versions import software_versions
 from testbench.rig.acquisition.recorder import Limits
-from testbench.rig.simulation.past import past_displacement
-from testbench.rig.simulation.played import played
+from testbench.rig.simulation.played import past_displacement, played
 from testbench.worlds.sensor import HiddenSensor
 
 ARMS = ("designed", "perlin")

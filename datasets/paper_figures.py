@@ -23,7 +23,7 @@ from gcode.trajectories.planning import plan
 from gcode.trajectories.presets import preset as trajectory
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, inputs
-from testbench.rig.simulation.past import DEFAULT_REST_S
+from testbench.rig.simulation.played import DEFAULT_REST_S
 
 SLOW, FAST = ("paper-1", "paper-2", "paper-3"), ("fast", "fast")
 RECORDINGS = SLOW + FAST

@@ -89,7 +89,7 @@ ALLOWED: dict[tuple[str, str], tuple[int, str]] = {
     ("testbench/recordings/manifest.py", ".open"): (1, "the header of a file that was just hashed"),
     ("testbench/recordings/versions.py", ".read_bytes"): (1, OURS),
     ("testbench/report/writing/page.py", ".read_text"): (4, OURS),
-    ("testbench/rig/acquisition/held.py", "os.open"): (1, LOCK),
+    ("testbench/rig/acquisition/appender.py", "os.open"): (1, LOCK),
     ("testbench/rig/acquisition/resume.py", ".open"): (1, AFTER_CHECK),
     ("testbench/rig/connection/serial_port.py", ".open"): (1, "a port"),
     ("testbench/rig/acquisition/stopping.py", "os.open"): (1, "the terminal, of which only the foreground is asked"),

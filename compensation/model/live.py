@@ -15,8 +15,7 @@ from gcode.support import disk
 from gcode.support.errors import MOST_SHOWN, UserError
 from gcode.support.strict import blocks_of
 from testbench.campaigns.campaign import COMPENSATED
-from testbench.rig.protocol.file_lines import seconds
-from testbench.rig.protocol.items import Row
+from testbench.rig.protocol.items import Row, seconds
 
 
 class LiveCompensator:

@@ -35,8 +35,7 @@ def run(args: argparse.Namespace) -> None:
     from gcode.support.console import Progress
     from gcode.trajectories.natural import Target
     from gcode.trajectories.noise_fit import SHAPES, fit
-    from gcode.trajectories.toml_spec import spec_to_toml
-    from gcode.trajectories.trajectory import Limits
+    from gcode.trajectories.trajectory import Limits, spec_to_toml
 
     files.check_place(args.output)
     target = Target(**given(args, Target.model_fields))

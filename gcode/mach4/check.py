@@ -141,7 +141,7 @@ def _other_controller(program: Program, limits: Limits) -> str:
         return ""
     return (
         f" (judged with a controller of {used:g} mm/s2; the file was written for {stated:g}: if yours is set so, "
-        "give it as `machine`)"
+        "give its `acceleration_mm_per_s2`)"
     )
 
 

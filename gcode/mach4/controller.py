@@ -51,12 +51,10 @@ class Machine(SpecModel):
     corner_mm_per_s: float = Field(default=0.0, ge=0, allow_inf_nan=False)
 
 
-def machine_for(program: Program, acceleration_mm_per_s2: float | None = None) -> Machine:
-    """The machine a program was written for: the given acceleration, else its header's, else 100 mm/s2."""
-    stated = acceleration_mm_per_s2
-    if stated is None:
-        stated = program.header_number("machine_acceleration_mm_per_s2") or DEFAULT_ACCELERATION_MM_PER_S2
-    return Machine(acceleration_mm_per_s2=stated)
+def machine_for(program: Program, **settings: float) -> Machine:
+    """The machine a program was written for: its header's acceleration, else 100 mm/s2; `settings` are its own."""
+    stated = program.header_number("machine_acceleration_mm_per_s2") or DEFAULT_ACCELERATION_MM_PER_S2
+    return Machine(**{"acceleration_mm_per_s2": stated, **settings})
 
 
 def execute(program: Program, machine: Machine) -> Motion:

@@ -6,7 +6,6 @@ Where readers differ (LinuxCNC's `rs274` was asked), a block is refused: what is
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -57,8 +56,9 @@ class Rows:
 
 @dataclass
 class State:
-    """The modal state of the interpreter and what it has read so far."""
+    """The modal state of the interpreter and what it has read so far, up to line `number`."""
 
+    number: int = 0
     motion: float | None = None
     feed: float | None = None
     inverse_time: bool = False
@@ -77,38 +77,36 @@ class State:
     problems: list[Problem] = field(default_factory=list)
     header: dict[str, str] = field(default_factory=dict)
 
+    def refuse(self, reason: str) -> None:
+        """Put down why this line is refused."""
+        self.problems.append(Problem(self.number, reason))
 
-def refuser(state: State, number: int) -> Callable[[str], None]:
-    """What is called with the reason why a line of the program is refused."""
-    return lambda reason: state.problems.append(Problem(number, reason))
 
-
-def block(state: State, number: int, words: list[tuple[str, float]]) -> None:
+def block(state: State, words: list[tuple[str, float]]) -> None:
     """Apply the words of a line; what is refused is put into the state's problems."""
-    refuse = refuser(state, number)
     state.begun = True
     values: dict[str, float] = {}
     if clash := _clash(words):
-        return refuse(clash)
+        return state.refuse(clash)
     for letter, value in words:
         if problem := _word(state, values, letter, value):
-            return refuse(problem)
+            return state.refuse(problem)
     if ("G", 80.0) in words:
         state.motion = None  # beside G0 or G1 some readers heed it, whatever their order, and some do not
     if problem := _p(state, words, values):
-        return refuse(problem)
+        return state.refuse(problem)
     if values.get("F", 1.0) <= 0:
-        refuse(f"feed F{values['F']:g} is not above 0; the axis would never arrive")
-    _unit(state, number, words, values)
+        state.refuse(f"feed F{values['F']:g} is not above 0; the axis would never arrive")
+    _unit(state, words, values)
     state.feed = values.get("F", state.feed)
     if ("G", 4.0) in words:
-        _dwell(state, number, values)
+        _dwell(state, values)
     elif "X" in values:
         x = values["X"] * state.unit
-        move(state, number, state.x + x if state.incremental else x, "F" in values, 1)
+        move(state, state.x + x if state.incremental else x, "F" in values, 1)
     # An interpreter moves first and waits then, whatever their order in the line.
     if state.rows and (waits := [value for letter, value in words if letter == "M" and value in _WAITS_M]):
-        refuse(f"M{waits[0]:g} waits for somebody in mid-program, for a time that the file does not say")
+        state.refuse(f"M{waits[0]:g} waits for somebody in mid-program, for a time that the file does not say")
     return None
 
 
@@ -123,7 +121,7 @@ def _p(state: State, words: list[tuple[str, float]], values: dict[str, float]) -
     return None
 
 
-def _unit(state: State, number: int, words: list[tuple[str, float]], values: dict[str, float]) -> None:
+def _unit(state: State, words: list[tuple[str, float]], values: dict[str, float]) -> None:
     """A change of the unit, or its first mention, ends the feed in force.
 
     An interpreter takes F before G20 and G21, whatever their order in the line, and keeps the feed in mm or in inches
@@ -133,7 +131,7 @@ def _unit(state: State, number: int, words: list[tuple[str, float]], values: dic
     changed = any(letter == "G" and value in (20.0, 21.0) for letter, value in words)
     if changed and state.unit != state.fed_unit:
         state.fed_unit, state.feed = state.unit, None
-        state.no_feed = f"F of line {number} {BESIDE}" if values.pop("F", None) else NO_FEED
+        state.no_feed = f"F of line {state.number} {BESIDE}" if values.pop("F", None) else NO_FEED
 
 
 def _clash(words: list[tuple[str, float]]) -> str | None:
@@ -218,15 +216,14 @@ def _m(state: State, code: float) -> str | None:
     return None
 
 
-def _dwell(state: State, number: int, values: dict[str, float]) -> None:
-    refuse = refuser(state, number)
+def _dwell(state: State, values: dict[str, float]) -> None:
     if "X" in values:
-        return refuse("G4 takes its time as P in seconds, not as X")
+        return state.refuse("G4 takes its time as P in seconds, not as X")
     if "P" not in values:
-        return refuse("G4 needs P, the time in seconds")
+        return state.refuse("G4 needs P, the time in seconds")
     if not values["P"] > 0:
-        return refuse(f"G4 P{values['P']:g} is no time above 0")
-    state.rows.add(number, state.x, np.nan, values["P"], round(values["P"] * _rate(state)), state.exact_stop)
+        return state.refuse(f"G4 P{values['P']:g} is no time above 0")
+    state.rows.add(state.number, state.x, np.nan, values["P"], round(values["P"] * _rate(state)), state.exact_stop)
     return None
 
 
@@ -238,26 +235,25 @@ def _rate(state: State) -> float:
     return rate_hz if 0 < rate_hz <= MOST_HZ else 0.0
 
 
-def move(state: State, number: int, x: float, own_feed: bool, steps: int) -> None:
+def move(state: State, x: float, own_feed: bool, steps: int) -> None:
     """Append a move to `x` in mm, with the feed in force; `own_feed` says whether the line states one."""
-    refuse = refuser(state, number)
     length = abs(x - state.x)
     if state.motion is None:
-        refuse("a move before any G0 or G1")
+        state.refuse("a move before any G0 or G1")
     if state.motion == 0.0:
         feed = np.inf
     elif state.inverse_time:
         if not own_feed:
-            refuse("under G93 every move needs an F of its own")
+            state.refuse("under G93 every move needs an F of its own")
         feed = length * (state.feed or 0.0) / 60.0
     else:
         if state.feed is None:
-            refuse(f"a move without a feed: {state.no_feed}")
+            state.refuse(f"a move without a feed: {state.no_feed}")
         feed = (state.feed or 0.0) * state.unit / 60.0
     if length == 0 and state.rows:
-        refuse(f"the move to X{x:g} has no length; some controllers stop at it")
+        state.refuse(f"the move to X{x:g} has no length; some controllers stop at it")
     if state.unsaid is None:
         place = (PLACE,) if state.incremental else ()
         state.unsaid = (*(mode for mode in MODES if mode not in state.said), *place)
     state.x = x
-    state.rows.add(number, x, feed, 0.0, steps, state.exact_stop)
+    state.rows.add(state.number, x, feed, 0.0, steps, state.exact_stop)

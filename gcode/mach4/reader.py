@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gcode.mach4.interpreter import State, block, move, refuser
+from gcode.mach4.interpreter import State, block, move
 from gcode.mach4.program import Problem, Program
 from gcode.support import strict
 from gcode.support.errors import UserError
@@ -60,20 +60,20 @@ def read_program(text: str, source: str = "program") -> Program:
 def parse_program(text: str) -> Program:
     """Read any program; what cannot be understood is listed in ``problems`` and skipped."""
     state = State()
-    for number, line in enumerate(_lines(text), start=1):
+    for state.number, line in enumerate(_lines(text), start=1):
         if state.ended:
             if _COMMENT.sub("", line).strip() not in ("", "%"):
-                state.problems.append(Problem(number, "follows the program's end (M30 or M2) and would never run"))
+                state.refuse("follows the program's end (M30 or M2) and would never run")
                 break
             continue
         match = _OWN_MOVE.fullmatch(line)
         if match and not state.incremental and state.unit == 1.0 and float(match[2]) > 0:
             state.motion, state.feed = 1.0, float(match[2])
-            move(state, number, float(match[1]), True, int(match[3] or 1))
+            move(state, float(match[1]), True, int(match[3] or 1))
         else:
-            _line(state, number, line)
-        if len(state.problems) >= MOST_PROBLEMS or number >= MOST_LINES:
-            state.problems.append(Problem(number, "the program was read no further"))
+            _line(state, line)
+        if len(state.problems) >= MOST_PROBLEMS or state.number >= MOST_LINES:
+            state.refuse("the program was read no further")
             return _program(state)
     if not state.ended:
         state.problems.append(Problem(max(text.count("\n"), 1), "the program does not end with M30 or M2"))
@@ -105,46 +105,43 @@ def _program(state: State) -> Program:
     )
 
 
-def _line(state: State, number: int, line: str) -> None:
-    refuse = refuser(state, number)
+def _line(state: State, line: str) -> None:
     if len(line) > MAX_LINE:
-        return refuse(f"the line is {len(line)} characters long; controllers take at most {MAX_LINE}")
-    _comments(state, number, line)
+        return state.refuse(f"the line is {len(line)} characters long; controllers take at most {MAX_LINE}")
+    _comments(state, line)
     code = _COMMENT.sub(_THERE, line).split(";")[0].strip(f" \t{_THERE}").upper()
     if not _PRINTED.fullmatch(line):
         # A lone carriage return ends a line, and with it a comment, on some controllers.
-        return refuse("the line holds characters that are not ASCII, or not printed; controllers choke on them")
+        return state.refuse("the line holds characters that are not ASCII, or not printed; controllers choke on them")
     if match := _WHOLE_DWELL.search(code):
-        refuse(f"G4 P{match[1]} looks like milliseconds; P is in seconds (write P{match[1]}.0 if it is meant)")
+        state.refuse(f"G4 P{match[1]} looks like milliseconds; P is in seconds (write P{match[1]}.0 if it is meant)")
     if "(" in code or ")" in code:
-        return refuse("a comment is not closed, or comments are nested")
+        return state.refuse("a comment is not closed, or comments are nested")
     if code == "%":
-        return _percent(state, number)
+        return _percent(state)
     if code:
         words = _words(code)
-        return refuse(words) if isinstance(words, str) else block(state, number, words)
+        return state.refuse(words) if isinstance(words, str) else block(state, words)
     return None
 
 
-def _comments(state: State, number: int, line: str) -> None:
+def _comments(state: State, line: str) -> None:
     """Take the header's values from the comments of a line."""
     comments = _COMMENT.findall(line)
     for comment in comments:
         if len(comment) > LONGEST_COMMENT:
-            refuser(state, number)(
-                f"the comment is {len(comment)} characters long; at most {LONGEST_COMMENT} are safe"
-            )
+            state.refuse(f"the comment is {len(comment)} characters long; at most {LONGEST_COMMENT} are safe")
         if not state.rows and (match := _KEY.fullmatch(comment.strip().upper())):
             state.header[match[1].lower()] = match[2].lower()
     for comment in (*comments, *line.split(";")[1:]):
         if match := _ACTED_ON.match("".join(comment.split()).upper()):
-            refuser(state, number)(f"the comment {match[0].strip(',')} writes files or runs code on some controllers")
+            state.refuse(f"the comment {match[0].strip(',')} writes files or runs code on some controllers")
 
 
-def _percent(state: State, number: int) -> None:
+def _percent(state: State) -> None:
     """A first one may mark the program's begin; any other is its end."""
     if state.begun or state.rows:
-        refuser(state, number)("% ends the program here: what follows would never run")
+        state.refuse("% ends the program here: what follows would never run")
     state.begun = True
 
 

@@ -12,8 +12,7 @@ from typing import Any, Literal
 import numpy as np
 
 from gcode.mach4.feeds import compensated_speeds, rounded_feeds
-from gcode.mach4.header import header_lines
-from gcode.mach4.seal import sealed
+from gcode.mach4.header import header_lines, sealed
 from gcode.support.errors import UserError
 from gcode.trajectories.trajectory import Trajectory, position_decimals
 

@@ -15,8 +15,6 @@ from typing import Any
 import numpy as np
 from noise import pnoise3
 
-from gcode.support.errors import UserError
-
 LATTICE = 256  # period of the package's permutation table, in cells
 LACUNARITY = 2.0
 MAX_OCTAVES = 8
@@ -25,28 +23,19 @@ _SLOPE = (np.sqrt(5.0) - 1.0) / 2.0
 _DIRECTION = np.array([1.0, _SLOPE]) / np.hypot(1.0, _SLOPE)
 
 
-def perlin_signal(
-    time_s: np.ndarray, seed: Any, cells_per_s: float, octaves: int = 1, persistence: float = 0.5
-) -> np.ndarray:
-    """Perlin noise over time, about -0.9 to 0.9.
+def perlin_walk(cells: np.ndarray, seed: Any, octaves: int, persistence: float) -> np.ndarray:
+    """Perlin noise along a walk, about -0.9 to 0.9: the sum of the octaves divided by the sum of their amplitudes.
 
     Parameters
     ----------
-    time_s : array (n,)
-        Times; any spacing.
-    seed : int or numpy.random.SeedSequence
+    cells : array (n,)
+        How many lattice cells of the first octave lie behind; each further octave is twice as fast.
+    seed : int or sequence of int
         Chooses where each octave's walk through the noise starts, and its direction.
-    cells_per_s : float
-        Lattice cells crossed per second by the first octave; each further octave is twice as fast.
     octaves : int
-        Number of octaves, 1 to 8.
+        Number of octaves, 1 to 8: others crash the C code of `noise`.
     persistence : float
-        Amplitude of an octave relative to the one before it.
-
-    Returns
-    -------
-    array (n,)
-        The sum of the octaves divided by the sum of their amplitudes.
+        Amplitude of an octave relative to the one before it; above 0, at most 1.
 
     Notes
     -----
@@ -54,12 +43,6 @@ def perlin_signal(
     in float32, so arguments are reduced modulo the lattice's period in float64 first; without it the signal
     would be stepped after hours.
     """
-    check_noise_parameters(cells_per_s, octaves, persistence)
-    return perlin_walk(np.asarray(time_s, dtype=float) * cells_per_s, seed, octaves, persistence)
-
-
-def perlin_walk(cells: np.ndarray, seed: Any, octaves: int, persistence: float) -> np.ndarray:
-    """Perlin noise along a walk: `cells` (n,) says how many lattice cells of the first octave lie behind."""
     rng = np.random.default_rng(seed)
     total = np.zeros(len(cells))
     amplitudes = persistence ** np.arange(octaves)
@@ -78,13 +61,3 @@ def _walk(cells: np.ndarray, start: np.ndarray, direction: np.ndarray, plane: fl
         ys = ((part * direction[1] + start[1]) % LATTICE).tolist()
         level[begin : begin + _CHUNK] = np.fromiter(map(pnoise3, xs, ys, repeat(plane)), float, len(part))
     return level
-
-
-def check_noise_parameters(cells_per_s: float, octaves: int, persistence: float) -> None:
-    """Refuse what would crash the C code of `noise` or pass through it as nan."""
-    if not (np.isfinite(cells_per_s) and cells_per_s > 0):
-        raise UserError(f"cells_per_s must be a finite number above 0, got {cells_per_s}")
-    if isinstance(octaves, bool) or octaves != int(octaves) or not 1 <= octaves <= MAX_OCTAVES:
-        raise UserError(f"octaves must be a whole number from 1 to {MAX_OCTAVES}, got {octaves}")
-    if not (np.isfinite(persistence) and 0 < persistence <= 1):
-        raise UserError(f"persistence must be above 0 and at most 1, got {persistence}")

@@ -38,19 +38,9 @@ class MotionStatistics(BaseModel):
         return rows
 
 
-def speeds(position_mm: np.ndarray, rate_hz: float) -> np.ndarray:
-    """Signed speed (mm/s) from first differences; length n - 1."""
-    return np.diff(position_mm) * rate_hz
-
-
-def accelerations(position_mm: np.ndarray, rate_hz: float) -> np.ndarray:
-    """Signed acceleration (mm/s2) from second differences; length n - 2."""
-    return np.diff(position_mm, 2) * rate_hz**2
-
-
-def jerks(position_mm: np.ndarray, rate_hz: float) -> np.ndarray:
-    """Signed jerk (mm/s3) from third differences; length n - 3."""
-    return np.diff(position_mm, 3) * rate_hz**3
+def differences(position_mm: np.ndarray, rate_hz: float, order: int) -> np.ndarray:
+    """Signed speed (mm/s), acceleration (mm/s2) or jerk (mm/s3) by `order` 1, 2 or 3; length n - order."""
+    return np.diff(position_mm, order) * rate_hz**order
 
 
 def motion_statistics(position_mm: np.ndarray, rate_hz: float) -> MotionStatistics:
@@ -62,8 +52,8 @@ def motion_statistics(position_mm: np.ndarray, rate_hz: float) -> MotionStatisti
         "x_min_mm": float(position.min()),
         "x_max_mm": float(position.max()),
     }
-    for name, unit, of in (("v", "mm_per_s", speeds), ("a", "mm_per_s2", accelerations)):
-        size = np.abs(of(position, rate_hz))
+    for name, unit, order in (("v", "mm_per_s", 1), ("a", "mm_per_s2", 2)):
+        size = np.abs(differences(position, rate_hz, order))
         size = size if size.size else np.zeros(1)
         values[f"{name}_max_{unit}"] = float(size.max())
         values[f"{name}_mean_{unit}"] = float(size.mean())

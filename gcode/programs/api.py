@@ -19,8 +19,7 @@ from gcode.support.kinds import flag, instance, number
 from gcode.trajectories.bounds import Limits
 from gcode.trajectories.presets import preset
 from gcode.trajectories.protocol import Piece, Protocol
-from gcode.trajectories.toml_spec import read_spec
-from gcode.trajectories.trajectory import Trajectory, TrajectorySpec
+from gcode.trajectories.trajectory import Trajectory, TrajectorySpec, read_spec
 
 
 def generate(

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 from gcode.mach4.check import CheckResult, check_program
 from gcode.mach4.controller import Machine
+from gcode.mach4.header import seal_problem
 from gcode.mach4.program import Problem, Program
 from gcode.mach4.reader import parse_program
-from gcode.mach4.seal import seal_problem
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
 from gcode.trajectories.bounds import Limits

@@ -19,7 +19,7 @@ from gcode.support import files
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
 from gcode.support.html import card
-from gcode.support.strict import validated
+from gcode.support.strict import ExtraIgnored, load, validated
 from gcode.trajectories.natural import NAMES, Noise
 from gcode.trajectories.planning import check_request, plan, slowest_stroke, whole_path
 from gcode.trajectories.trajectory import AMPLE, Trajectory, TrajectorySpec
@@ -32,6 +32,7 @@ MISSED = 0.05  # relative deviation from a target that is worth a note
 LITTLE_USED = 0.85
 FAR_OFF_MM = 0.05  # of an executed motion from its plan
 FEW_CELLS = 100  # of a noise: so few do not have its statistics
+MOST_BYTES = 16 << 20  # of a plan that was written
 _RESERVES = (1.0, 0.85, 0.7, 0.5)  # tried in turn when the controller's deviations pass a limit
 
 
@@ -235,3 +236,21 @@ def make_again(program: Program) -> Made:
 
 def _rounded(statistics: MotionStatistics) -> dict[str, float]:
     return {key: round(value, 4) for key, value in statistics.model_dump().items()}
+
+
+class StoredPlan(ExtraIgnored):
+    """``trajectory.json``, as far as other rooms read it."""
+
+    spec: TrajectorySpec
+    statistics: MotionStatistics
+
+
+def read_plan(path: str | Path) -> StoredPlan:
+    """What `gcode generate` wrote beside the program.
+
+    Raises
+    ------
+    UserError
+        If it is missing or is something else.
+    """
+    return load(path, StoredPlan, "plan", MOST_BYTES)

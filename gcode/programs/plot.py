@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gcode.motion.statistics import accelerations, speeds
+from gcode.motion.statistics import differences
 from gcode.programs.make import Made
 from gcode.support import files
 from gcode.support.colours import BLUE, GREY, VERMILION
@@ -27,8 +27,8 @@ def write_plot(made: Made, path: str | Path) -> Path:
     time_s = np.arange(len(played)) / rate
     rows = (
         ("position (mm)", time_s, played, None),
-        ("speed (mm/s)", time_s[1:], speeds(played, rate), limits.v_max_mm_per_s),
-        ("acceleration (mm/s²)", time_s[1:-1], accelerations(played, rate), limits.a_max_mm_per_s2),
+        ("speed (mm/s)", time_s[1:], differences(played, rate, 1), limits.v_max_mm_per_s),
+        ("acceleration (mm/s²)", time_s[1:-1], differences(played, rate, 2), limits.a_max_mm_per_s2),
     )
     first = None
     for row, (label, times, values, limit) in enumerate(rows):
@@ -79,7 +79,7 @@ def _distribution(axes: Any, values: np.ndarray, limit: float | None) -> None:
 def _close_up(axes: Any, made: Made, played: np.ndarray) -> None:
     """Executed on planned, a few seconds around the sharpest reversal."""
     rate, planned = made.spec.rate_hz, made.trajectory.position_mm
-    inside = np.abs(accelerations(planned, rate))
+    inside = np.abs(differences(planned, rate, 2))
     middle = int(inside.argmax()) if len(inside) else 0
     half = int(_CLOSE_UP_S * rate / 2)
     part = slice(max(middle - half, 0), min(middle + half, len(planned), len(played)))

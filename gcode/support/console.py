@@ -57,6 +57,7 @@ class _Parser(argparse.ArgumentParser):
         super().__init__(**settings)
         self.register("type", int, _number(int, "a whole number"))
         self.register("type", float, _number(float, "a number"))
+        self._negative_number_matcher = re.compile(r"-(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$", re.IGNORECASE)  # -1e-3, too
 
     def error(self, message: str) -> NoReturn:
         self.exit(EXIT_BAD_INPUT, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
@@ -218,32 +219,21 @@ def printable(text: str) -> str:
     return "".join(char if char.isprintable() or char in "\n\t" else ascii(char)[1:-1] for char in text)
 
 
-class _Printable:
+class _Printable(streams.Beside):
     """A stream that is written to through `printable`, which shows names that are no text (lone surrogates), too.
 
     Where its reader has gone (head, less), which is its right, the work goes on: to its files and its exit code.
     """
 
-    def __init__(self, stream: TextIO) -> None:
-        self._stream = stream
-
     def write(self, text: str) -> int:
         """Write what may be shown."""
-        self._unless_gone(lambda: self._stream.write(printable(text)))
-        return len(text)
+        return super().write(printable(text))
 
-    def flush(self) -> None:
-        """Pass it on."""
-        self._unless_gone(self._stream.flush)
-
-    def _unless_gone(self, act: Callable[[], object]) -> None:
+    def _act(self, call: Callable[[], object]) -> None:
         try:
-            act()
+            call()
         except BrokenPipeError:
             os.dup2(os.open(os.devnull, os.O_WRONLY), self._stream.fileno())
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._stream, name)
 
 
 class Progress:
@@ -258,13 +248,11 @@ class Progress:
         What is being done.
     total : int
         Number of steps.
-    clock : callable
-        Monotonic seconds; injected by tests.
     """
 
-    def __init__(self, label: str, total: int, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, label: str, total: int) -> None:
         self.label, self.total, self.done = label, max(total, 1), 0
-        self._clock, self._start = clock, clock()
+        self._start = time.monotonic()
         self._live = sys.stderr.isatty()
         self._json = os.environ.get("KNITBENCH_PROGRESS") == "json"
 
@@ -277,7 +265,7 @@ class Progress:
             return
         if not self._live:
             return
-        elapsed = self._clock() - self._start
+        elapsed = time.monotonic() - self._start
         left = elapsed / self.done * (self.total - self.done)
         end = "\n" if self.done >= self.total else ""
         text = f"{self.label}: {self.done}/{self.total}, {left:.0f} s left {note}"

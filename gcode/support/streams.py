@@ -6,6 +6,7 @@ import contextlib
 import os
 import shutil
 import sys
+from collections.abc import Callable
 from typing import Any, TextIO
 
 NAMES = ("stdin", "stdout", "stderr")
@@ -36,25 +37,34 @@ def redrawn(text: str) -> str:
     return f"{cleared}{text[:width]}"
 
 
-class Remarks:
-    """A stream for what is said beside the work (standard error): where nobody can take it, the work goes on.
-
-    The terminal may be gone, the reader of a pipe, or the room on a disk: a recording outlives each of them.
-    """
+class Beside:
+    """A stream that is written to in another way: a subclass says what becomes of a call of it."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
 
     def write(self, text: str) -> int:
-        """Write it, if it can be."""
-        with contextlib.suppress(OSError):
-            self._stream.write(text)
+        """Write it, as far as it can be."""
+        self._act(lambda: self._stream.write(text))
         return len(text)
 
     def flush(self) -> None:
-        """Pass it on, if it can be."""
-        with contextlib.suppress(OSError):
-            self._stream.flush()
+        """Pass it on, as far as it can be."""
+        self._act(self._stream.flush)
+
+    def _act(self, call: Callable[[], object]) -> None:
+        raise NotImplementedError
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._stream, name)
+
+
+class Remarks(Beside):
+    """A stream for what is said beside the work (standard error): where nobody can take it, the work goes on.
+
+    The terminal may be gone, the reader of a pipe, or the room on a disk: a recording outlives each of them.
+    """
+
+    def _act(self, call: Callable[[], object]) -> None:
+        with contextlib.suppress(OSError):
+            call()

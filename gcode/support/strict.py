@@ -176,11 +176,7 @@ def json_of(text: str, what: str = "text", source: str | Path = "") -> Any:
 
 def read_toml(path: str | Path, what: str = "spec") -> dict[str, Any]:
     """Plain data from TOML; see `read_json`."""
-    return toml_of(read_text(path, what, MOST_TOML_BYTES), what, path)
-
-
-def toml_of(text: str, what: str = "spec", source: str | Path = "") -> dict[str, Any]:
-    """Plain data from TOML text; see `read_json`."""
+    text = read_text(path, what, MOST_TOML_BYTES)
 
     def parse() -> dict[str, Any]:
         # The parser takes the square of the length of a dotted key, in time and in memory.
@@ -189,7 +185,7 @@ def toml_of(text: str, what: str = "spec", source: str | Path = "") -> dict[str,
         return tomllib.loads(text)
 
     # TOML has infinity and NaN; the models of our specs refuse them by the name of the entry.
-    return _parsed(parse, what, source, finite=False)
+    return _parsed(parse, what, path, finite=False)
 
 
 def load(path: str | Path, kind: type[Loaded], what: str = "file", at_most: int = MOST_BYTES) -> Loaded:

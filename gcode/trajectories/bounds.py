@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
-from gcode.motion.statistics import accelerations, jerks, speeds
+from gcode.motion.statistics import differences
 from gcode.trajectories.quantities import Positive, SpecModel
 
 
@@ -66,15 +66,16 @@ def excesses(position_mm: np.ndarray, rate_hz: float, limits: Limits, slack: flo
 
     The axis stands still before the first position and after the last one: to start and to stop are accelerations.
     """
-    once, twice = (np.pad(position_mm, samples, mode="edge") for samples in (1, 2))
     checks = [
-        ("speed", "mm/s", np.abs(speeds(position_mm, rate_hz)), limits.v_max_mm_per_s, 0),
-        ("acceleration", "mm/s2", np.abs(accelerations(once, rate_hz)), limits.a_max_mm_per_s2, 1),
+        ("speed", "mm/s", limits.v_max_mm_per_s),
+        ("acceleration", "mm/s2", limits.a_max_mm_per_s2),
+        ("jerk", "mm/s3", limits.j_max_mm_per_s3),
     ]
-    if limits.j_max_mm_per_s3 is not None:
-        checks.append(("jerk", "mm/s3", np.abs(jerks(twice, rate_hz)), limits.j_max_mm_per_s3, 2))
     found = []
-    for name, unit, values, limit, before in checks:
+    for before, (name, unit, limit) in enumerate(checks):
+        if limit is None:
+            continue
+        values = np.abs(differences(np.pad(position_mm, before, mode="edge"), rate_hz, before + 1))
         beyond = values > limit * (1 + slack) + 1e-9
         if beyond.any():
             worst = int(values.argmax())

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from gcode.motion.limits import drive_within
 from gcode.motion.path import Frame, Path
-from gcode.motion.perlin import MAX_OCTAVES, perlin_signal, perlin_walk
+from gcode.motion.perlin import MAX_OCTAVES, perlin_walk
 from gcode.motion.statistics import MotionStatistics, motion_statistics
 from gcode.support.errors import UserError
 from gcode.trajectories.protocol import RangedPiece
@@ -212,7 +212,7 @@ class Noise(RangedPiece):
         """How fast the noise runs at each moment, as a factor of about one on average."""
         if self.pace_spread == 0:
             return np.ones_like(time_s)
-        mood = perlin_signal(time_s, [*frame.seed, 1], self.cells_per_s * PACE_RATIO)
+        mood = perlin_walk(time_s * (self.cells_per_s * PACE_RATIO), [*frame.seed, 1], 1, 1.0)
         return np.exp(self.pace_spread * mood - 0.5 * (self.pace_spread * OCTAVE_SD) ** 2)
 
     def _sprint(self, position_mm: np.ndarray, frame: Frame) -> np.ndarray:

@@ -11,7 +11,7 @@ from gcode.motion.path import Frame
 from gcode.support.errors import UserError
 from gcode.support.read_only import Unchanging
 from gcode.trajectories.natural import NAMES, Noise, Target, trial
-from gcode.trajectories.planning import plan
+from gcode.trajectories.planning import check_gauge_length, plan
 from gcode.trajectories.trajectory import Limits, TrajectorySpec
 
 SHAPES = ((2, 0.15), (2, 0.3), (1, 1.0), (3, 0.4))  # octaves, persistence; tried in turn
@@ -67,6 +67,7 @@ def fit(
     UserError
         If the limits or the stroke exclude the target.
     """
+    check_gauge_length(gauge_length_mm)
     if target.v_mean_mm_per_s >= limits.v_max_mm_per_s or target.a_mean_mm_per_s2 >= limits.a_max_mm_per_s2:
         raise UserError(
             f"limits: v max {limits.v_max_mm_per_s:g} mm/s and a max {limits.a_max_mm_per_s2:g} mm/s2 must be above "

@@ -135,13 +135,18 @@ def slowest_stroke(spec: TrajectorySpec, gauge_length_mm: float) -> tuple[float,
     return float(asked[worst]), float(reached[worst])
 
 
-def check_request(spec: TrajectorySpec, seed: int, gauge_length_mm: float) -> None:
-    """Refuse a gauge length, a seed or a length of run that cannot be planned."""
+def check_gauge_length(gauge_length_mm: float) -> None:
+    """Refuse a gauge length that cannot be planned."""
     is_length = is_number(gauge_length_mm) and np.isfinite(gauge_length_mm)
     if not (is_length and SHORTEST_GAUGE_MM <= gauge_length_mm <= LONGEST_GAUGE_PLANNED_MM):
         came = f"{gauge_length_mm:g} mm" if is_length else repr(gauge_length_mm)
         allowed = f"{SHORTEST_GAUGE_MM:g} to {LONGEST_GAUGE_PLANNED_MM:g} mm"
         raise UserError(f"gauge length must be {allowed}, got {came}")
+
+
+def check_request(spec: TrajectorySpec, seed: int, gauge_length_mm: float) -> None:
+    """Refuse a gauge length, a seed or a length of run that cannot be planned."""
+    check_gauge_length(gauge_length_mm)
     if not (is_number(seed, Integral) and 0 <= seed <= LARGEST_SEED):
         raise UserError(f"seed must be a whole number from 0 to {LARGEST_SEED}, got {seed!r}")
     _check_samples(sum(getattr(piece, "duration_s", 0.0) for piece in spec.pieces) * spec.rate_hz)

@@ -1,7 +1,8 @@
-"""TrajectorySpec (what is wanted) and Trajectory (position over time)."""
+"""TrajectorySpec (what is wanted) and Trajectory (position over time), and their files."""
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
@@ -15,7 +16,7 @@ from gcode.support.errors import UserError
 from gcode.support.figures import outline, panels
 from gcode.support.html import card, strips
 from gcode.support.read_only import Unchanging, read_only_array
-from gcode.support.strict import check_plain
+from gcode.support.strict import check_plain, read_toml, validated
 from gcode.trajectories.bounds import Limits
 from gcode.trajectories.designed import AnyPiece
 from gcode.trajectories.protocol import Piece, Protocol
@@ -203,3 +204,28 @@ def _column(name: str, values: object) -> np.ndarray:
     if column.ndim != 1 or len(column) < 2 or not np.isfinite(column).all():
         raise UserError(f"Trajectory: {name} must be two finite numbers or more in a row, got {str(values)[:60]}")
     return column
+
+
+def read_spec(path: str | FilePath) -> TrajectorySpec:
+    """Read a spec; every fault names the file and the field."""
+    return validated(read_toml(path), TrajectorySpec, path, "spec")
+
+
+def spec_to_toml(spec: TrajectorySpec) -> str:
+    """The spec as TOML text; `read_spec` gives an equal spec."""
+    data = spec.model_dump(mode="json", exclude_none=True)
+    pieces = data.pop("pieces")
+    lines = _table(data, "")
+    for piece in pieces:
+        lines += ["", "[[pieces]]", *_table(piece, "pieces.")]
+    return "\n".join(lines) + "\n"
+
+
+def _table(data: dict[str, Any], prefix: str) -> list[str]:
+    plain = {key: value for key, value in data.items() if not isinstance(value, dict)}
+    # JSON's numbers, strings and lists of numbers are TOML too.
+    lines = [f"{key} = {json.dumps(value)}" for key, value in plain.items()]
+    for key, value in data.items():
+        if isinstance(value, dict):
+            lines += ["", f"[{prefix}{key}]", *_table(value, f"{prefix}{key}.")]
+    return lines

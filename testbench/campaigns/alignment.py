@@ -24,8 +24,8 @@ PLANNED = "displacement_planned_mm"
 ALIGNED_HZ = 50.0
 WINDOW_S, REACH_S = 30.0, 2.0  # length of a window; how far its lag may be from its neighbour's
 TRUSTED_CORRELATION = 0.8
-# Of the motion's standard deviation, the rms difference that may be left: a correlation is blind to a wrong unit, and
-# one of 0.95 is left where a machine stopped in mid-program.
+# Of the motion's standard deviation, the rms difference that may be left in any window: a correlation is blind to a
+# wrong unit, and one of 0.99 is left where a machine stopped in mid-program.
 MOST_DIFFERENCE = 0.3
 
 
@@ -82,12 +82,18 @@ def align(recording: Recording, motion: Motion) -> Alignment:
 
 def _check_follows(recording: Recording, motion: Motion, found: Alignment) -> None:
     """Refuse an alignment of a displacement that is not the planned one."""
-    planned_mm = np.interp(found.planned_time_s(recording.time_s), motion.time_s, motion.displacement_mm)
-    if found.correlation < TRUSTED_CORRELATION or found.rms_mm > MOST_DIFFERENCE * np.std(planned_mm):
+    planned_s = found.planned_time_s(recording.time_s)
+    planned_mm = np.interp(planned_s, motion.time_s, motion.displacement_mm)
+    starts_s, window = np.unique(recording.time_s // WINDOW_S * WINDOW_S, return_inverse=True)
+    during = (planned_s >= 0) & (planned_s <= motion.duration_s)  # what the stage does before and after is no fault
+    squares = np.where(during, recording[DISPLACEMENT] - found.offset_mm - planned_mm, 0.0) ** 2
+    rms_mm = np.sqrt(np.bincount(window, squares) / np.bincount(window))
+    worst = int(rms_mm.argmax())
+    if found.correlation < TRUSTED_CORRELATION or rms_mm[worst] > MOST_DIFFERENCE * np.std(planned_mm):
         raise UserError(
-            f"{recording.source}: the recorded displacement does not follow this program "
-            f"(correlation {found.correlation:.2f}, difference {found.rms_mm:.3g} mm rms at best); is it the program "
-            "that was run, was it run to its end, and is the displacement in mm?"
+            f"{recording.source}: the recorded displacement does not follow this program (correlation "
+            f"{found.correlation:.2f}, difference {rms_mm[worst]:.3g} mm rms at best about {starts_s[worst]:.0f} s); "
+            "is it the program that was run, was it run to its end without a stop, and is the displacement in mm?"
         )
 
 
@@ -158,15 +164,21 @@ def _tracked(seen: FloatArray, planned: FloatArray, lag: int, quality: float) ->
 
 def _place_in(planned: FloatArray, window: FloatArray) -> int:
     """Where in the plan a window correlates best, wherever it moves most; before and behind it the stage stands."""
+    size = len(window)
+    return int(np.argmax(_correlations(np.pad(planned, size, mode="edge"), window))) - size
+
+
+def _correlations(planned: FloatArray, window: FloatArray) -> FloatArray:
+    """Of a window with each part of a plan that is as long, times the window's norm; 0 where nothing moves."""
     from scipy.signal import correlate
 
     size = len(window)
-    a, b = window - window.mean(), np.pad(planned, size, mode="edge") - planned.mean()
+    a, b = window - window.mean(), planned - planned.mean()
     sums = correlate(b, a, mode="valid", method="fft")
     total, squares = (np.concatenate([[0.0], np.cumsum(values)]) for values in (b, b**2))
     energy = squares[size:] - squares[:-size] - (total[size:] - total[:-size]) ** 2 / size
-    least = 1e-9 * max(float(energy.max()), 1e-300)  # where nothing moves, nothing correlates
-    return int(np.argmax(np.where(energy > least, sums / np.sqrt(np.maximum(energy, least)), 0.0))) - size
+    least = 1e-9 * max(float(energy.max()), 1e-300)
+    return np.where(energy > least, sums / np.sqrt(np.maximum(energy, least)), 0.0)
 
 
 def _window_lag(window: FloatArray, planned: FloatArray, start: int, near: int, reach: int) -> float | None:
@@ -174,10 +186,7 @@ def _window_lag(window: FloatArray, planned: FloatArray, start: int, near: int, 
     first, last = start - near - reach, start - near + reach + len(window)
     if first < 0 or last > len(planned) or np.ptp(window) == 0:
         return None
-    views = np.lib.stride_tricks.sliding_window_view(planned[first:last], len(window))
-    a, b = window - window.mean(), views - views.mean(axis=1, keepdims=True)
-    norms = np.linalg.norm(b, axis=1)
-    scores = b @ a / np.where(norms > 0, norms, np.inf)
+    scores = _correlations(planned[first:last], window)
     best = int(np.argmax(scores))
     if not 0 < best < len(scores) - 1:
         return None

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable
 from dataclasses import replace
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -20,12 +19,14 @@ from testbench.recordings.recording import Recording
 from testbench.recordings.stored import EVENTS
 from testbench.recordings.versions import software_versions
 from testbench.rig.acquisition.recorder import DISK_STATES, Recorder, Report, Status, counts
-from testbench.rig.acquisition.sink import BAD, COMPENSATED, Sink, Syncer
+from testbench.rig.acquisition.sink import BAD, COMPENSATED, Sink, synced
 from testbench.rig.connection.parts import Part, in_memory
 from testbench.rig.protocol.items import Item
 from testbench.rig.protocol.stream import Intake
 from testbench.rig.simulation.at_once import at_once
 from testbench.rig.simulation.simulated import Motion
+
+COARSE_STEP = 0.01  # of a reading, which one code of the divider's ADC changes; by 0.02 % on the paper's bench
 
 
 def matches(folder: Path, plan: Plan) -> bool:
@@ -63,7 +64,7 @@ def simulate_campaign(
         if status.state in DISK_STATES:
             raise UserError(f"{folder}: nothing was kept, {status.message}; make room, or choose another place")
         _check_accepted(folder, status)
-    return status
+    return replace(status, message=_coarse(plan, status))
 
 
 def simulate_live(
@@ -79,7 +80,7 @@ def simulate_live(
     Parameters
     ----------
     pace : callable
-        Makes a link of the rig's lines, for instance `testbench.rig.connection.links.real_time`.
+        Makes a link of the rig's lines, for instance `testbench.rig.connection.parts.real_time`.
     stopped : callable
         Whether to end early.
     """
@@ -90,7 +91,20 @@ def simulate_live(
     intake = Intake(host_clock=pace is not in_memory)
     status = _fill(folder, plan, motion, report, pace(plan.rig(motion).lines()), intake, stopped)
     _check_accepted(folder, status)
-    return status
+    return replace(status, message=status.message or _coarse(plan, status))
+
+
+def _coarse(plan: Plan, status: Status) -> str:
+    """What to say of a divider that does not suit the sensor; empty where it does."""
+    divider, ohm = plan.instruments.divider, status.resistance_ohm
+    if not ohm:
+        return ""
+    share = divider.reference_ohm / ohm
+    step = (1 + share) ** 2 / share * divider.full_scale_V / 2**15 / divider.supply_V
+    if step < COARSE_STEP:
+        return ""
+    steps = f"the divider reads the resistance in steps of {100 * step:.0f} %"
+    return f"{steps}: give it a reference nearer to {ohm:.2g} ohm"
 
 
 def _check_accepted(folder: Path, status: Status) -> None:
@@ -129,12 +143,11 @@ def filled(
     link: Iterable[Part],
     stopped: Callable[[], bool],
     first: Iterable[Item] = (),
-    again: Iterable[None] = (),
 ) -> Status:
     """Let a recorder take what `link` delivers, close its files in `folder`, and write the manifest over them.
 
     A disk that does not even take the manifest leaves the campaign unfinished, as a killed recorder does: its files
-    are as readable as those, and `testbench record --resume` takes it up. Each element of `again` is another trial.
+    are as readable as those, and `testbench record --resume` takes it up.
 
     Parameters
     ----------
@@ -144,7 +157,7 @@ def filled(
     sink, intake = recorder.sink, recorder.intake
     try:
         sink.write(first)
-        with Syncer(sink):
+        with synced(sink):
             status = recorder.run(link, stopped)
     finally:
         whole = sink.close()
@@ -154,7 +167,7 @@ def filled(
     counted |= {"sync_failures": status.sync_failures} if status.sync_failures else {}
     campaign = Campaign(recorder.gauge_length_mm, origin, status.state, recipe, counted, software_versions())
     problem = "a file could not be closed with a whole line"
-    for _ in chain([None], again) if whole else ():
+    for _ in recorder.trials() if whole else ():
         try:
             write_manifest(folder, campaign, campaign_files(folder))
             return status

@@ -18,8 +18,7 @@ from testbench.recordings.files import check_beside
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.manifest import read_manifest
 from testbench.rig.acquisition.ending import EndOfMotion
-from testbench.rig.simulation.past import DEFAULT_REST_S, past_displacement
-from testbench.rig.simulation.played import played
+from testbench.rig.simulation.played import DEFAULT_REST_S, past_displacement, played
 from testbench.rig.simulation.simulated import SIMULATED_HZ, Motion, SimulatedRig
 from testbench.trust import named_effects
 
@@ -81,7 +80,7 @@ class Plan:
 
     def rig(self, motion: Motion) -> SimulatedRig:
         """The rig that will play this plan along `motion`."""
-        earlier = [_played(path, sha256_of(path), self.gauge_length_mm) for path in self.past]
+        earlier = [motion_of(path, self.gauge_length_mm) for path in self.past]
         past_mm = past_displacement(earlier, self.rest_s, float(motion.displacement_mm[0]))
         gauge, tools, before = self.gauge_length_mm, self.instruments, len(self.past)
         return SimulatedRig(self.model, motion, gauge, self.seed, tools, past_mm, before)
@@ -108,6 +107,11 @@ def effects_kept(model: KnitModel, effects: Path | None) -> Path | None:
 
     known = load_catalogue().effects
     return None if all(effect.name in known for effect in model.effects.values()) else effects
+
+
+def motion_of(path: Path, gauge_length_mm: float) -> Motion:
+    """What the machine makes of a program; the last few are remembered, by their bytes."""
+    return _played(path, sha256_of(path), gauge_length_mm)
 
 
 @lru_cache(maxsize=8)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
+from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from gcode.support.errors import UserError
 from gcode.support.files import copy_file, drafted_folder, sha256_of
@@ -16,18 +17,20 @@ from testbench.campaigns.plan import PROGRAM
 from testbench.recordings.manifest import CSV, IN_PROGRESS, NAME, Campaign, read_manifest, write_manifest
 from testbench.recordings.stored import EVENTS
 from testbench.recordings.versions import software_versions
+from testbench.rig.acquisition.appender import held
 from testbench.rig.acquisition.ending import EndOfMotion
-from testbench.rig.acquisition.held import held
-from testbench.rig.acquisition.recorder import PROGRESS_S, Follow, Limits, Recorder, Report, Status
+from testbench.rig.acquisition.recorder import Follow, Limits, Recorder, Report, Status
 from testbench.rig.acquisition.resume import continued, mend, watched
 from testbench.rig.acquisition.sink import ROOM_BYTES, Sink
 from testbench.rig.connection.parts import Part
 from testbench.rig.connection.ports import remembered_port, stated_port
 from testbench.rig.connection.serial_port import GIVE_UP_S, host_clock_s
-from testbench.rig.protocol.items import Event
+from testbench.rig.protocol.items import Event, Row
 from testbench.rig.protocol.stream import Intake
 from testbench.rig.simulation.played import played
 from testbench.rig.simulation.simulated import Motion
+
+LIVE = "knitbench.live"  # group of the entry point of a compensator, which a package above this one has
 
 
 @dataclass(frozen=True)
@@ -178,8 +181,7 @@ def record(
             pause=pause,
             follow=follow,
         )
-        again = _paused(pause, job.give_up_s)
-        return filled(folder, "recorded", job.recipe(), recorder, link, stopped, first, again)
+        return filled(folder, "recorded", job.recipe(), recorder, link, stopped, first)
 
 
 def _taken_up(
@@ -196,13 +198,32 @@ def _taken_up(
     return intake, watched(ending, left), [event]
 
 
-def _paused(pause: Callable[[float], None], patience_s: float) -> Iterator[None]:
-    """Yield once after each pause until the patience is over: a moment to try again."""
-    for _ in range(int(patience_s / PROGRESS_S)):
-        pause(PROGRESS_S)
-        yield None
-
-
 def _mark_in_progress(folder: Path, gauge_length_mm: float, recipe: dict[str, Any]) -> None:
     campaign = Campaign(gauge_length_mm, "recorded", IN_PROGRESS, recipe, {}, software_versions())
     write_manifest(folder, campaign, [CSV, EVENTS, *(name for name in campaign_files(folder) if name == PROGRAM)])
+
+
+class Following(Protocol):
+    """What a recorder needs of a compensator that follows its recording."""
+
+    def follow(self, row: Row) -> tuple[float, str]:
+        """The compensated value after this row, and its unit."""
+
+    def close(self) -> None:
+        """Close its file."""
+
+
+def live_compensator(path: str | Path, folder: str | Path) -> Following:
+    """The compensator in `path`, ready to follow a recording into `folder`.
+
+    Raises
+    ------
+    UserError
+        If the file is no compensator, or no package that can run one is installed.
+    """
+    for point in entry_points(group=LIVE, name="compensator"):
+        return point.load()(path, folder)
+    raise UserError(
+        f"{path}: nothing here can run a compensator; install knitbench anew (`make setup`), so that "
+        f"its entry point {LIVE} is known"
+    )

@@ -20,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         dest="reference_ohm",
         type=positive,
         metavar="R",
-        help="reference resistor (default 606000)",
+        help="reference resistor, best near the sensor's own (default 606000)",
     )
     parser.add_argument("--rate-hz", type=positive, metavar="F", help="mean sampling rate (default 41.5)")
     parser.add_argument("--rate-sd-hz", type=positive, metavar="S", help="its spread (default 14.2 of 41.5)")

@@ -18,7 +18,7 @@ from testbench.knit.model import KnitModel
 from testbench.recordings import manifest
 from testbench.recordings.manifest import read_manifest
 from testbench.rig.acquisition.recorder import Limits, Report
-from testbench.rig.connection.links import paced
+from testbench.rig.connection.parts import paced
 from testbench.rig.connection.serial_port import BAUD, SerialLink
 from testbench.rig.simulation.played import played
 from testbench.rig.simulation.pty_port import PtyPort, serve

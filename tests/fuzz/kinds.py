@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from compensation.model.files import load as load_compensator
-from gcode.programs.stored_plan import read_plan
+from gcode.programs.make import read_plan
 from gcode.support.strict import load
 from testbench.campaigns.datasets.index import index_problems
 from testbench.knit.catalogue import load_catalogue

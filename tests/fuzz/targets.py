@@ -28,10 +28,9 @@ from gcode.programs.make import make
 from gcode.support.errors import UserError
 from gcode.trajectories.bounds import Limits
 from gcode.trajectories.designed import Hold, Ramp, ReturnToZero
-from gcode.trajectories.toml_spec import read_spec as read_trajectory_spec
-from gcode.trajectories.toml_spec import spec_to_toml
-from gcode.trajectories.trajectory import TrajectorySpec
+from gcode.trajectories.trajectory import TrajectorySpec, spec_to_toml
 from gcode.trajectories.trajectory import read_csv as read_trajectory
+from gcode.trajectories.trajectory import read_spec as read_trajectory_spec
 from testbench.campaigns.campaign import simulate_campaign
 from testbench.campaigns.datasets.index import index_problems
 from testbench.campaigns.datasets.spec import read_spec as read_dataset_spec

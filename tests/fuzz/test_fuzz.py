@@ -19,8 +19,8 @@ from hypothesis import strategies as st
 
 from gcode.mach4.reader import read_text
 from gcode.support.errors import UserError
-from gcode.trajectories.toml_spec import read_spec as read_trajectory_spec
 from gcode.trajectories.trajectory import read_csv as read_trajectory
+from gcode.trajectories.trajectory import read_spec as read_trajectory_spec
 from testbench.campaigns.datasets.spec import read_spec as read_dataset_spec
 from testbench.importing.wish import Wish
 from testbench.recordings.files import read_recording

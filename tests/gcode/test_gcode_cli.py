@@ -150,6 +150,19 @@ def test_accelerations_that_no_noise_has_are_refused_before_they_are_sought(acce
     assert f"{most} " in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("length", ["-3", "nan", "0", "1e9"])
+def test_a_spec_is_sought_for_gauge_lengths_only_that_are_planned(length, capsys):
+    wanted = ["--v-mean", "1", "--v-sd", "0.6", "--a-mean", "1.4", "--a-sd", "1.3"]
+    assert main(["fit", *wanted, "--gauge-length-mm", length]) == 2
+    assert "gauge length must be 0.001 to 10000 mm" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("lowest", ["-1e-3", "-0.5", "-1", "-.5E+1"])
+def test_a_negative_number_is_no_option_however_it_is_written(lowest, capsys):
+    assert main([*GENERATE, "--x-min", lowest, "--x-max", "-2e1", "-o", "unused"]) == 2
+    assert "--x-min must be below --x-max" in capsys.readouterr().err
+
+
 def test_a_place_that_cannot_be_written_is_told_before_the_work(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(noise_fit, "fit", lambda *_, **__: pytest.fail("it was sought"))
     monkeypatch.setattr(make, "plan", lambda *_, **__: pytest.fail("it was planned"))

@@ -10,7 +10,7 @@ import pytest
 import gcode
 from gcode.cli import main
 from gcode.mach4.controller import Machine
-from gcode.mach4.seal import seal_problem, sealed
+from gcode.mach4.header import seal_problem, sealed
 from gcode.programs.made_again import check_file
 from gcode.programs.make import make
 from gcode.trajectories.bounds import Limits
@@ -131,7 +131,7 @@ def test_a_file_may_not_say_what_the_controller_is():
     brisk = "G90 G21 G94 G64\n" + "".join(f"G1 X{x} F290\n" for x in (3, 0) * 5) + "M30\n"
     assert any("acceleration" in line for line in found(brisk))
     assert found("(MACHINE_ACCELERATION_MM_PER_S2: 2.0)\n(RATE_HZ: 20.0)\n" + brisk) != []
-    hint = "the file was written for 2: if yours is set so, give it as `machine`)"
+    hint = "the file was written for 2: if yours is set so, give its `acceleration_mm_per_s2`)"
     assert any(hint in line for line in found("(MACHINE_ACCELERATION_MM_PER_S2: 2.0)\n" + brisk))
 
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from noise import pnoise1
 
-from gcode.motion.perlin import perlin_signal
+import gcode
+from gcode.motion.perlin import perlin_walk
 from gcode.support.errors import UserError
 
 CELLS_PER_S = 0.32
@@ -33,7 +34,7 @@ def six_hours() -> np.ndarray:
 
 
 def test_no_lag_beyond_a_minute_repeats_within_six_hours(six_hours):
-    signal = perlin_signal(six_hours, 51, CELLS_PER_S, 2, 0.15)
+    signal = perlin_walk(six_hours * CELLS_PER_S, 51, 2, 0.15)
     assert correlation(signal, signal, 120) < 0.25
 
 
@@ -44,7 +45,7 @@ def test_the_naive_signal_does_repeat(six_hours):
 
 def test_twenty_seeds_are_independent():
     time_s = np.arange(0.0, 3 * 3600.0, 0.5)
-    signals = [perlin_signal(time_s, seed, CELLS_PER_S, 2, 0.15) for seed in range(20)]
+    signals = [perlin_walk(time_s * CELLS_PER_S, seed, 2, 0.15) for seed in range(20)]
     largest = max(correlation(signals[i], signals[j]) for i in range(20) for j in range(20) if i != j)
     assert largest < 0.3
 
@@ -63,7 +64,7 @@ def spurious_acceleration(signal_of) -> float:
 
 
 def test_after_a_day_it_is_as_smooth_as_at_the_start():
-    assert spurious_acceleration(lambda t: perlin_signal(t, 51, CELLS_PER_S)) < 0.1
+    assert spurious_acceleration(lambda t: perlin_walk(t * CELLS_PER_S, 51, 1, 1.0)) < 0.1
 
 
 def test_the_naive_signal_is_stepped_after_a_day():
@@ -72,7 +73,7 @@ def test_the_naive_signal_is_stepped_after_a_day():
 
 def test_a_seed_gives_the_same_signal_again():
     time_s = np.arange(100.0)
-    np.testing.assert_array_equal(perlin_signal(time_s, 3, 0.3), perlin_signal(time_s, 3, 0.3))
+    np.testing.assert_array_equal(perlin_walk(0.3 * time_s, 3, 1, 1.0), perlin_walk(0.3 * time_s, 3, 1, 1.0))
 
 
 @pytest.mark.parametrize(
@@ -90,4 +91,4 @@ def test_a_seed_gives_the_same_signal_again():
 )
 def test_what_would_crash_the_package_is_refused_by_name(cells, octaves, persistence, name):
     with pytest.raises(UserError, match=name):
-        perlin_signal(np.arange(3.0), 1, cells, octaves, persistence)
+        gcode.Noise(cells_per_s=cells, octaves=octaves, persistence=persistence)

@@ -23,8 +23,7 @@ from gcode.trajectories.designed import (
 from gcode.trajectories.planning import plan
 from gcode.trajectories.presets import PRESETS, preset
 from gcode.trajectories.protocol import Protocol
-from gcode.trajectories.toml_spec import read_spec, spec_to_toml
-from gcode.trajectories.trajectory import Limits, TrajectorySpec
+from gcode.trajectories.trajectory import Limits, TrajectorySpec, read_spec, spec_to_toml
 
 ALL = (
     Hold(duration_s=2)

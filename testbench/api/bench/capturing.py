@@ -14,8 +14,7 @@ from gcode.support.kinds import instance, number, path_of, whole
 from testbench.api.bench.running import CampaignResult
 from testbench.campaigns import record as campaigns
 from testbench.campaigns.clearing import vacant
-from testbench.campaigns.following import live_compensator
-from testbench.campaigns.record import Job, job_of
+from testbench.campaigns.record import Job, job_of, live_compensator
 from testbench.recordings.files import check_beside
 from testbench.rig.acquisition.recorder import Limits, Report, Status
 from testbench.rig.acquisition.status_words import as_dict, as_text

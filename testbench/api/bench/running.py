@@ -25,9 +25,8 @@ from testbench.recordings.recording import Recording
 from testbench.recordings.stored import MOST_SEEDS
 from testbench.rig.acquisition.recorder import Report, Status
 from testbench.rig.acquisition.stopping import stop_signals
-from testbench.rig.connection.links import real_time as at_the_machines_pace
-from testbench.rig.simulation.past import DEFAULT_REST_S, LONGEST_REST_S
-from testbench.rig.simulation.played import played
+from testbench.rig.connection.parts import real_time as at_the_machines_pace
+from testbench.rig.simulation.played import DEFAULT_REST_S, LONGEST_REST_S, played
 from testbench.rig.simulation.simulated import Motion
 
 if TYPE_CHECKING:
@@ -96,7 +95,8 @@ class RunResult(CampaignResult):
         if self.status is None:
             return f"{self.folder}: already there and intact; not run again"
         done = f"{self.status.samples} samples in {self.status.time_s:.0f} s of motion"
-        return f"{self.folder}: {done}, {self.sensor}, seed {self.seed}"
+        told = f"; {self.status.message}" if self.status.message else ""
+        return f"{self.folder}: {done}, {self.sensor}, seed {self.seed}{told}"
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready form: folder, sensor, seed, and whether it was made now."""

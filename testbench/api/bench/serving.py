@@ -12,9 +12,9 @@ from gcode.support.errors import UserError
 from gcode.support.kinds import number, path_of
 from testbench.api.arguments import AnyModel, own_file
 from testbench.api.bench.running import planned
-from testbench.rig.connection.links import paced
+from testbench.rig.connection.parts import paced
 from testbench.rig.simulation.faults import faulty
-from testbench.rig.simulation.past import DEFAULT_REST_S
+from testbench.rig.simulation.played import DEFAULT_REST_S
 from testbench.rig.simulation.pty_port import PtyPort, serve
 
 

@@ -17,7 +17,7 @@ from testbench.knit.effect import Effect
 from testbench.recordings.files import read_recording
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.recording import Recording
-from testbench.rig.simulation.past import DEFAULT_REST_S
+from testbench.rig.simulation.played import DEFAULT_REST_S
 
 EXAMPLE_S = 180.0
 

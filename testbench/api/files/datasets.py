@@ -13,8 +13,14 @@ from gcode.support.errors import UserError
 from gcode.support.html import card, frame_table
 from gcode.support.kinds import path_of, whole
 from testbench.api.arguments import own_file
-from testbench.campaigns.datasets.cluster import cluster
-from testbench.campaigns.datasets.dataset import OneAtATime, drop_stale_parquet, run, write_index, write_parquet
+from testbench.campaigns.datasets.dataset import (
+    cluster,
+    drop_stale_parquet,
+    one_at_a_time,
+    run,
+    write_index,
+    write_parquet,
+)
 from testbench.campaigns.datasets.index import is_campaign, listed
 from testbench.campaigns.datasets.spec import read_spec
 from testbench.campaigns.datasets.tasks import tasks_of
@@ -134,7 +140,7 @@ def dataset(
     wanted = read_spec(spec)
     if is_campaign(out):
         raise UserError(f"{out}: is a campaign itself; choose another folder for the data set")
-    with OneAtATime(out):
+    with one_at_a_time(out):
         tasks = tasks_of(wanted, spec.parent, out, own)
         with cluster(scheduler):
             made, there = run(tasks, "dask" if scheduler else "loky", workers, _counting(progress, len(tasks)))

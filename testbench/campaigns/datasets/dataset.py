@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import fcntl
 import os
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from gcode.support import strict
@@ -18,9 +18,12 @@ from gcode.support.files import clear_drafts, make_folder, sha256_of, write_text
 from testbench.campaigns.campaign import matches, simulate_campaign
 from testbench.campaigns.datasets.index import write_entries
 from testbench.campaigns.datasets.splits import SPLITS, split_of
-from testbench.campaigns.datasets.tasks import Task, motion_of
-from testbench.campaigns.plan import Plan
+from testbench.campaigns.datasets.tasks import Task
+from testbench.campaigns.plan import Plan, motion_of
 from testbench.recordings import manifest
+
+LOCK = ".lock"
+CONNECT_S = 10  # until a Dask scheduler is given up
 
 
 def make(task: Task) -> bool:
@@ -35,6 +38,32 @@ def make(task: Task) -> bool:
         if not _there(task.folder, plan):
             raise
     return True
+
+
+@contextmanager
+def cluster(address: str | None) -> Iterator[None]:
+    """Within the block, joblib's ``dask`` backend works on the cluster at `address`; without one, do nothing.
+
+    Raises
+    ------
+    UserError
+        If Dask is not installed or the scheduler does not answer.
+    """
+    if address is None:
+        yield
+        return
+    try:
+        from distributed import Client
+    except ImportError:
+        raise UserError("a Dask cluster needs the extra: pip install 'knitbench[dask]'") from None
+    try:
+        client = Client(address, timeout=CONNECT_S)
+    except (OSError, ValueError, TimeoutError) as error:
+        raise UserError(
+            f"{address}: no Dask scheduler answers there ({type(error).__name__}); check `scheduler`"
+        ) from None
+    with client:
+        yield
 
 
 def run(
@@ -89,12 +118,12 @@ def write_index(out: Path, spec: Path, tasks: Sequence[Task]) -> None:
 def write_parquet(out: Path, tasks: Sequence[Task], workers: int = -1) -> int:
     """Write the campaigns as Parquet, split by specimen, with Croissant metadata; how many were not there already."""
     from testbench.campaigns.datasets.croissant import write_croissant
-    from testbench.campaigns.datasets.parquet import columns_of, parts_of, write_parts
+    from testbench.campaigns.datasets.parquet import FIRST_COLUMNS, channels_of, parts_of, write_parts
 
     parts = parts_of(out, tasks)
     written = write_parts(out, parts, workers)
     splits = [split for split in SPLITS if any(part.split == split for part in parts)]
-    write_croissant(out, out.absolute().name, splits, columns_of(parts[0]))
+    write_croissant(out, out.absolute().name, splits, [*FIRST_COLUMNS, *channels_of(parts)])
     return written
 
 
@@ -111,8 +140,9 @@ def drop_stale_parquet(out: Path, tasks: Sequence[Task]) -> int:
     return dropped
 
 
-class OneAtATime:
-    """Makes a folder and holds it for one `dataset` command, and clears away the drafts of killed workers.
+@contextmanager
+def one_at_a_time(out: Path) -> Iterator[None]:
+    """Make a folder and hold it for one `dataset` command, and clear away the drafts of killed workers.
 
     A folder that it made, and in which nothing came to be, goes again.
 
@@ -121,38 +151,33 @@ class OneAtATime:
     UserError
         If another one is at work there.
     """
-
-    def __init__(self, out: Path) -> None:
-        self._out, self._path = out, out / ".lock"
-
-    def __enter__(self) -> OneAtATime:
-        self._new = [folder for folder in (self._out, *self._out.parents) if not folder.exists()]
-        make_folder(self._out)
-        # Where the command before has taken its lock away since that was opened, nobody else would see this one.
-        while not os.fstat(handle := self._locked()).st_nlink:
-            os.close(handle)
-        self._handle = handle
-        clear_drafts(self._out)
-        return self
-
-    def _locked(self) -> int:
-        try:
-            handle = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o644)
-        except OSError as error:
-            raise UserError(f"{self._path}: cannot hold this folder: {error.strerror}; see what is there") from None
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            os.close(handle)
-            raise UserError(f"{self._out}: another `testbench dataset` is at work in this folder") from None
-        return handle
-
-    def __exit__(self, *_: object) -> None:
-        self._path.unlink(missing_ok=True)
-        os.close(self._handle)
+    new = [folder for folder in (out, *out.parents) if not folder.exists()]
+    make_folder(out)
+    # Where the command before has taken its lock away since that was opened, nobody else would see this one.
+    while not os.fstat(handle := _locked(out)).st_nlink:
+        os.close(handle)
+    try:
+        clear_drafts(out)
+        yield
+    finally:
+        (out / LOCK).unlink(missing_ok=True)
+        os.close(handle)
         with suppress(OSError):
-            for folder in self._new:
+            for folder in new:
                 folder.rmdir()
+
+
+def _locked(out: Path) -> int:
+    try:
+        handle = os.open(out / LOCK, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o644)
+    except OSError as error:
+        raise UserError(f"{out / LOCK}: cannot hold this folder: {error.strerror}; see what is there") from None
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        os.close(handle)
+        raise UserError(f"{out}: another `testbench dataset` is at work in this folder") from None
+    return handle
 
 
 def _there(folder: Path, plan: Plan) -> bool:

@@ -97,13 +97,6 @@ def channels_of(parts: Sequence[Part]) -> list[str]:
     return [name for name in found if name != TIME]
 
 
-def columns_of(part: Part) -> list[str]:
-    """Names of the columns of an existing Parquet file."""
-    from pyarrow import parquet
-
-    return parquet.read_schema(part.file).names
-
-
 def make_part(part: Part, channels: Sequence[str], known: Checksums | None) -> tuple[Checksums, bool]:
     """Write one campaign, unless it is there with the checksums that are known of it; and whether it was written."""
     if known and _is_there(part, channels, known):

@@ -11,7 +11,7 @@ from pydantic import Field, field_validator, model_validator
 
 from gcode.support.strict import StrictModel, read_toml, validated
 from testbench.recordings.instruments import Instruments
-from testbench.rig.simulation.past import DEFAULT_REST_S, LONGEST_REST_S
+from testbench.rig.simulation.played import DEFAULT_REST_S, LONGEST_REST_S
 
 MOST_CAMPAIGNS = 1_000_000
 Seed = Annotated[int, Field(ge=0, lt=1 << 63, strict=True)]

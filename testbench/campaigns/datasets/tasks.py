@@ -7,7 +7,7 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import cache
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -18,15 +18,13 @@ from gcode.support import strict
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, refuse_links, write_text
 from testbench.campaigns.datasets.spec import MOST_CAMPAIGNS, DatasetSpec, TrajectoryWish
-from testbench.campaigns.plan import Plan, effects_kept
+from testbench.campaigns.plan import Plan, effects_kept, motion_of
 from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.knit.presets import preset
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.stored import FILE_NAME, read_model
-from testbench.rig.simulation.past import DEFAULT_REST_S
-from testbench.rig.simulation.played import played
-from testbench.rig.simulation.simulated import Motion
+from testbench.rig.simulation.played import DEFAULT_REST_S
 from testbench.trust import named_effects
 
 PROGRAMS = "programs"
@@ -135,12 +133,6 @@ def _catalogue(effects: Path | None) -> Catalogue:
     return load_catalogue(effects)
 
 
-@lru_cache(maxsize=4)
-def motion_of(program: Path, gauge_length_mm: float) -> Motion:
-    """What the machine makes of a program; the last few are remembered."""
-    return played(program, gauge_length_mm)[0]
-
-
 def _model(sensor: str, base: Path, effects: Path | None) -> KnitModel:
     if not sensor.endswith(".json"):
         return preset(sensor)
@@ -164,7 +156,7 @@ def _found(patterns: Sequence[str], base: Path) -> list[Path]:
 def _planned(wish: TrajectoryWish, gauge_length_mm: float, base: Path, out: Path) -> list[Path]:
     from gcode.programs.api import generate
     from gcode.trajectories.presets import preset as motion_preset
-    from gcode.trajectories.toml_spec import read_spec
+    from gcode.trajectories.trajectory import read_spec
 
     given = motion_preset(wish.preset) if wish.preset else read_spec(base / str(wish.spec))
     folder = (out / PROGRAMS).absolute()

@@ -144,7 +144,9 @@ class EndOfMotion:
         return float(np.clip(slower, 1.0, LONGEST_TIMES)) * self.last_s
 
     def remark(self) -> str:
-        """What to say of an end that came before the planned way was seen; empty if it was."""
+        """What to say of an end before the planned way was seen, or of one too short to be seen; empty if it was."""
+        if not np.isfinite(self.first_move_s):
+            return f"a motion below {MOVED_MM:g} mm is not told from standing still: was all of it recorded?"
         done_mm, way_mm = self._way.done_nm / 1e6, self.way_nm / 1e6
         if done_mm >= WHOLE_WAY * way_mm:
             return ""

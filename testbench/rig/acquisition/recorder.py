@@ -7,7 +7,7 @@ host time. Tests feed lists; `testbench record` feeds a serial port; `testbench 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from gcode.support.errors import UserError
 from gcode.support.kinds import number
@@ -91,10 +91,11 @@ class Status:
 Report = Callable[[Status], None]
 
 
+@dataclass
 class Recorder:
     """Takes what a link delivers and writes it to the files of a campaign (a `Sink`).
 
-    Parameters
+    Attributes
     ----------
     intake : Intake
         Set its `anchor` and `channels` to continue a recording.
@@ -117,32 +118,26 @@ class Recorder:
         Waits for so many seconds: at the end of a recording a full disk is waited for, too. None does not wait.
     """
 
-    def __init__(
-        self,
-        intake: Intake,
-        sink: Sink,
-        gauge_length_mm: float,
-        limits: Limits | None = None,
-        duration_s: float = float("inf"),
-        is_over: Callable[[Row], bool] = lambda row: False,
-        remark: Callable[[], str] = str,
-        report: Report = lambda status: None,
-        disk_patience_s: float = 60.0,
-        pause: Callable[[float], None] | None = None,
-        follow: Follow | None = None,
-    ) -> None:
-        self.intake, self.sink, self.gauge_length_mm = intake, sink, gauge_length_mm
-        self.limits = limits or Limits()
-        self.status = Status(duration_s)
-        self._is_over, self._remark = is_over, remark
-        self._report, self._disk_patience_s = report, disk_patience_s
-        self._last: Row | None = None
-        self._follow = follow
-        self._first: tuple[int, int] | None = None
-        self._window: tuple[int, int] | None = None
-        self._reported_s = float("-inf")
-        self._full_since_s: float | None = None
-        self._pause, self._watchdog, self._port_lost = pause, Watchdog(before=intake.accepted), False
+    intake: Intake
+    sink: Sink
+    gauge_length_mm: float
+    limits: Limits = field(default_factory=Limits)
+    duration_s: float = float("inf")
+    is_over: Callable[[Row], bool] = lambda row: False
+    remark: Callable[[], str] = str
+    report: Report = lambda status: None
+    disk_patience_s: float = 60.0
+    pause: Callable[[float], None] | None = None
+    follow: Follow | None = None
+    _last: Row | None = None
+    _first: tuple[int, int] | None = None
+    _window: tuple[int, int] | None = None
+    _reported_s: float = float("-inf")
+    _full_since_s: float | None = None
+    _port_lost: bool = False
+
+    def __post_init__(self) -> None:
+        self.status, self._watchdog = Status(self.duration_s), Watchdog(before=self.intake.accepted)
 
     def run(self, link: Iterable[Part], stopped: Callable[[], bool] = lambda: False) -> Status:
         """Record until a limit, the end of the link, a full disk that stays full, or `stopped`."""
@@ -194,14 +189,14 @@ class Recorder:
         """What to write last if this row ends the recording; empty if it goes on."""
         self._first = self._first or (row.time_us, self.intake.accepted)
         self._last = row
-        if self._follow is not None:
-            self.status.compensated, self.status.compensated_unit = self._follow(row)
+        if self.follow is not None:
+            self.status.compensated, self.status.compensated_unit = self.follow(row)
         if alarm := self._alarm(row):
             self.status.state, self.status.message = "alarm", alarm
             return [row, Event("alarm", row.time_us, {"message": alarm})]
-        if self._is_over(row):
+        if self.is_over(row):
             self.status.state = "complete"
-            self.status.message = "; ".join(filter(None, (self.status.message, self._remark())))
+            self.status.message = "; ".join(filter(None, (self.status.message, self.remark())))
             return [row]
         return []
 
@@ -230,7 +225,7 @@ class Recorder:
             return
         self._full_since_s = host_s if self._full_since_s is None else self._full_since_s
         self.status.message = self._waiting()
-        if host_s - self._full_since_s > self._disk_patience_s and self.status.state == "recording":
+        if host_s - self._full_since_s > self.disk_patience_s and self.status.state == "recording":
             self._disk_failed()
 
     def _waiting(self) -> str:
@@ -244,7 +239,7 @@ class Recorder:
         self._reported_s = host_s
         if disturbed := self.sink.disturbed:
             self.status.message = self._said(disturbed)
-        self._report(self._updated())
+        self.report(self._updated())
 
     def _updated(self) -> Status:
         status, intake = self.status, self.intake
@@ -282,19 +277,25 @@ class Recorder:
             details["message"] = status.message
         self.sink.release_room()
         self.sink.write([*last, Event("end", self.intake.time_us, details)])
-        self._report(status)
+        self.report(status)
         return status
 
     def _settled(self) -> bool:
         """Wait until the disk has taken everything, as long as its patience lasts; whether it has."""
-        waited_s = 0.0
-        while not self.sink.write([]):
-            if self._pause is None or waited_s >= self._disk_patience_s or self.status.state in DISK_STATES:
-                return False
-            self._report(replace(self._updated(), message=self._said(self._waiting())))
-            self._pause(PROGRESS_S)
-            waited_s += PROGRESS_S
-        return True
+        for _ in self.trials():
+            if self.sink.write([]) or self.status.state in DISK_STATES:
+                break
+            self.report(replace(self._updated(), message=self._said(self._waiting())))
+        return not self.sink.pending_bytes
+
+    def trials(self) -> Iterator[None]:
+        """Yield at once, and after each pause until a disk's patience is over: a moment to try again."""
+        yield
+        for _ in range(int(self.disk_patience_s / PROGRESS_S)):
+            if self.pause is None:
+                return
+            self.pause(PROGRESS_S)
+            yield
 
     def _gave_up(self) -> Event:
         """Count what the disk did not take, say so, and make room for the last events."""

@@ -20,8 +20,7 @@ from testbench.recordings.manifest import CSV
 from testbench.recordings.stored import EVENTS, StoredEvent
 from testbench.rig.acquisition.ending import EndOfMotion
 from testbench.rig.acquisition.sink import BAD
-from testbench.rig.protocol.file_lines import bad_line
-from testbench.rig.protocol.items import Bad
+from testbench.rig.protocol.items import Bad, bad_line
 from testbench.rig.protocol.stream import Anchor, Intake, LateLine
 from testbench.rig.protocol.wire import MICROS_WRAP, SEQUENCE_WRAP
 
@@ -274,6 +273,5 @@ def _event(path: Path, line: bytes) -> StoredEvent | None:
 
 def _fixed(text: bytes) -> int:
     """Six decimals as a whole number of millionths, exactly."""
-    sign = -1 if text.startswith(b"-") else 1
-    whole, _, fraction = text.lstrip(b"-").partition(b".")
-    return sign * (int(whole) * 1_000_000 + int(fraction.ljust(6, b"0")))
+    whole, _, fraction = text.partition(b".")
+    return int(whole + fraction.ljust(6, b"0"))

@@ -2,7 +2,7 @@
 
 ``recording.csv`` grows by whole lines; ``recording.bad`` keeps every rejected line with its reason;
 ``events.jsonl`` says what happened: start, gap, reboot, disconnect, resume, alarm. Each batch goes to the operating
-system at once, so a killed recorder loses at most the batch in its hands; `Syncer` takes it to the disk every second.
+system at once, so a killed recorder loses at most the batch in its hands; `synced` takes it to the disk every second.
 A disk that takes no more is waited for; room for the last events and the manifest is held from the start (``.room``).
 """
 
@@ -12,7 +12,7 @@ import contextlib
 import errno
 import secrets
 import threading
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
@@ -22,8 +22,7 @@ from testbench.recordings.channels import TIME
 from testbench.recordings.manifest import CSV
 from testbench.recordings.stored import EVENTS
 from testbench.rig.acquisition.appender import Appender
-from testbench.rig.protocol.file_lines import bad_line, csv_line, event_line, header_line
-from testbench.rig.protocol.items import Bad, Item, Lines, Row
+from testbench.rig.protocol.items import Bad, Item, Lines, Row, bad_line, csv_line, event_line, header_line
 
 BAD = "recording.bad"
 COMPENSATED = "compensated.csv"  # what a compensator made of it while it was recorded
@@ -33,26 +32,22 @@ HURRY_S = 0.3  # how long rows wait for the disk to keep such an event
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
-class Syncer(threading.Thread):
-    """Within its block, a thread calls `Sink.sync` once a second, so that no slow disk keeps a recorder waiting."""
+@contextlib.contextmanager
+def synced(sink: Sink) -> Iterator[None]:
+    """Within the block, a thread calls `Sink.sync` every second, so that no slow disk keeps a recorder waiting."""
+    ended = threading.Event()
 
-    def __init__(self, sink: Sink, period_s: float = 1.0) -> None:
-        super().__init__(daemon=True)
-        self._sink, self._period_s, self._ended = sink, period_s, threading.Event()
+    def sync() -> None:
+        while not ended.wait(1.0):
+            sink.sync()
 
-    def run(self) -> None:
-        """Sync once a period until the block ends."""
-        while not self._ended.wait(self._period_s):
-            self._sink.sync()
-
-    def __enter__(self) -> Syncer:
-        self.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Stop and wait for the sync that may be under way."""
-        self._ended.set()
-        self.join()
+    thread = threading.Thread(target=sync, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()  # a sync may be under way
 
 
 class Sink:

@@ -11,7 +11,7 @@ import re
 import termios
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from gcode.support.errors import UserError
 from testbench.rig.connection.parts import Chunk, End, Lost, Part, Tick
@@ -61,8 +61,6 @@ class SerialLink:
     baud : int
     give_up_s : float
         How long to wait for a lost port.
-    clock : callable
-        Monotonic seconds; injected by tests.
 
     Raises
     ------
@@ -70,10 +68,8 @@ class SerialLink:
         If the port cannot be opened at first.
     """
 
-    def __init__(
-        self, url: str, baud: int = BAUD, give_up_s: float = GIVE_UP_S, clock: Callable[[], float] = host_clock_s
-    ) -> None:
-        self._url, self._baud, self._give_up_s, self._clock = url, baud, give_up_s, clock
+    def __init__(self, url: str, baud: int = BAUD, give_up_s: float = GIVE_UP_S) -> None:
+        self._url, self._baud, self._give_up_s = url, baud, give_up_s
         self._parts: queue.SimpleQueue[Part] = queue.SimpleQueue()
         self._ended = threading.Event()
         self._port = self._first_open()
@@ -86,7 +82,7 @@ class SerialLink:
             try:
                 part = self._parts.get(timeout=READ_TIMEOUT_S)
             except queue.Empty:
-                part = Tick(self._clock())
+                part = Tick(host_clock_s())
             yield part
             if isinstance(part, End):
                 return
@@ -115,7 +111,7 @@ class SerialLink:
                 port.close()
             if reason is None:
                 return
-            self._parts.put(Lost(self._clock(), reason))
+            self._parts.put(Lost(host_clock_s(), reason))
             port = self._reopen()
 
     def _drain(self, port) -> str | None:
@@ -123,14 +119,14 @@ class SerialLink:
         try:
             while not self._ended.is_set():
                 if data := port.read(port.in_waiting or 1):
-                    self._parts.put(Chunk(self._clock(), data))
+                    self._parts.put(Chunk(host_clock_s(), data))
         except REFUSALS as error:
             return _short(error)
         return None
 
     def _reopen(self):
-        since_s, wait_s = self._clock(), FIRST_WAIT_S
-        while self._clock() - since_s < self._give_up_s:
+        since_s, wait_s = host_clock_s(), FIRST_WAIT_S
+        while host_clock_s() - since_s < self._give_up_s:
             if self._ended.wait(wait_s):
                 return None
             try:
@@ -138,7 +134,7 @@ class SerialLink:
             except REFUSALS:
                 wait_s = min(2 * wait_s, LONGEST_WAIT_S)
         gone = f"the port {self._url} did not come back within {self._give_up_s:g} s"
-        self._parts.put(End(self._clock(), "port lost", gone))
+        self._parts.put(End(host_clock_s(), "port lost", gone))
         return None
 
 

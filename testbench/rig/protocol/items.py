@@ -1,10 +1,11 @@
-"""What comes out of the lines of a rig: rows, rejected lines, and what happened."""
+"""What comes out of the lines of a rig: rows, rejected lines, what happened; and each as a line of a file."""
 
 from __future__ import annotations
 
+import json
 from typing import NamedTuple
 
-from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME
 from testbench.rig.protocol.wire import Sample
 
 
@@ -66,3 +67,34 @@ CARRIED = (  # in the order of the file
 def channels_of(sample: Sample) -> tuple[str, ...]:
     """Names of the recording's channels that `sample` carries, in the order of the file."""
     return tuple(one.channel for one in CARRIED if getattr(sample, one.field) is not None)
+
+
+def seconds(time_us: int) -> str:
+    """Microseconds as exact decimal seconds."""
+    return f"{time_us // 1_000_000}.{time_us % 1_000_000:06d}"
+
+
+def csv_line(row: Row) -> str:
+    """One line of ``recording.csv``: every digit of the wire, nothing more."""
+    read = [(getattr(row.sample, one.field), one) for one in CARRIED]
+    cells = [one.decimals % (value / one.scale) for value, one in read if value is not None]
+    return ",".join([seconds(row.time_us), *cells]) + "\n"
+
+
+def header_line(row: Row) -> str:
+    """Header of ``recording.csv``, pinned by the first accepted sample."""
+    return ",".join((TIME, *channels_of(row.sample))) + "\n"
+
+
+def event_line(event: Event) -> str:
+    """One event as a line of JSON."""
+    entry = {"event": event.kind, "time_s": event.time_us / 1e6, **event.details}
+    if "from_us" in entry:
+        entry["from_s"] = int(str(entry.pop("from_us"))) / 1e6
+    return json.dumps(entry) + "\n"
+
+
+def bad_line(bad: Bad) -> str:
+    """One rejected line: reason, tab, the bytes with everything unprintable escaped."""
+    text = bad.line.decode("latin-1").encode("unicode_escape").decode("ascii")
+    return f"{bad.reason}\t{text}\n"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from testbench.rig.protocol.wire import MICROS_WRAP, SEQUENCE_WRAP, Sample
+from testbench.rig.protocol.wire import SEQUENCE_WRAP, Sample
 
 LEAST_LINES, LEAST_US = 8, 1_000_000  # so many refused lines in a row, over so long
 MOST_PACE = 1.1  # times the host's: a stored buffer that comes again comes quicker than it was measured
@@ -28,7 +28,7 @@ class Restart:
 
         They are where number and clock run forward from line to line, no faster than the host's clock.
         """
-        if self._first is None or self._last is None or not _follows(sample, self._last):
+        if self._first is None or self._last is None or not sample.follows(self._last, SEQUENCE_WRAP // 2):
             self._first, self._count, self._device_us = (sample, host_s), 0, 0
         else:
             self._device_us += sample.since(self._last)[1]
@@ -36,8 +36,3 @@ class Restart:
         self._count += 1
         host_us = (host_s - self._first[1]) * 1e6
         return self._count >= LEAST_LINES and host_us >= LEAST_US and self._device_us <= MOST_PACE * host_us
-
-
-def _follows(sample: Sample, before: Sample) -> bool:
-    step, step_us = sample.since(before)
-    return sample.boot == before.boot and 0 < step < SEQUENCE_WRAP // 2 and 0 < step_us < MICROS_WRAP // 2

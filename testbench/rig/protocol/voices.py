@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from dataclasses import dataclass, field
 
-from testbench.rig.protocol.wire import MICROS_WRAP, Sample
+from testbench.rig.protocol.wire import Sample
 
 TURNS = 16  # from one count to another that was there before, until they are called two devices
 MOST_STEP = 8  # a line after so many lost ones still follows; two devices garble each other's lines
@@ -38,8 +38,8 @@ class Voices:
         """Take note of an intact line; whether it proves, for the first time, that two devices talk."""
         if self.boots:
             return False
-        following = [one for one in self._counts if _step(one, sample)]
-        before = min(following, key=lambda one: _step(one, sample), default=None)
+        following = [one for one in self._counts if sample.follows(one, MOST_STEP)]
+        before = min(following, key=lambda one: sample.follows(one, MOST_STEP), default=None)
         if before is None or before is not self._counts[-1]:
             if sample in self._heard:
                 return False
@@ -52,10 +52,3 @@ class Voices:
         if len(self._heard) > REMEMBERED_LINES:
             self._heard.popitem(last=False)
         return bool(self.boots)
-
-
-def _step(before: Sample, sample: Sample) -> int:
-    """How many lines after `before` this one comes, if it may be the same device's; 0 if not."""
-    step, step_us = sample.since(before)
-    follows = sample.boot == before.boot and 0 < step <= MOST_STEP and 0 < step_us < MICROS_WRAP // 2
-    return step if follows else 0

@@ -53,6 +53,12 @@ class Sample(NamedTuple):
         """Lines and device microseconds from another sample of the same boot to this one; each modulo 2^32."""
         return (self.sequence - before.sequence) % SEQUENCE_WRAP, (self.micros - before.micros) % MICROS_WRAP
 
+    def follows(self, before: Sample, most_lines: int) -> int:
+        """How many lines after `before` this one comes, at most so many, if it may be the same device's; else 0."""
+        step, step_us = self.since(before)
+        runs = self.boot == before.boot and 0 < step <= most_lines and 0 < step_us < MICROS_WRAP // 2
+        return step if runs else 0
+
 
 class BadLine(ValueError):
     """A line that is no sample; the text is the reason, in two or three words, the same for the same fault."""

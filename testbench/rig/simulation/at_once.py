@@ -14,8 +14,7 @@ import numpy as np
 from gcode.support.arrays import IntArray
 from testbench.rig.connection.parts import Accepted, End, Part, in_memory
 from testbench.rig.protocol import wire
-from testbench.rig.protocol.file_lines import header_line
-from testbench.rig.protocol.items import CARRIED, Row
+from testbench.rig.protocol.items import CARRIED, Row, header_line
 from testbench.rig.protocol.stream import GAP_US
 from testbench.rig.simulation.simulated import Readings, SimulatedRig
 
@@ -61,7 +60,7 @@ def _steps_us(readings: Readings) -> IntArray:
 
 
 def csv_lines(readings: Readings, time_us: IntArray, rows: slice) -> str:
-    """Lines of ``recording.csv``, the same as `testbench.rig.protocol.file_lines.csv_line` makes of one row each."""
+    """Lines of ``recording.csv``, the same as `testbench.rig.protocol.items.csv_line` makes of one row each."""
     read = ((getattr(readings, one.field), one.scale, one.decimals) for one in CARRIED)
     columns = [(time_us, 1e6, "%.6f"), *(column for column in read if column[0] is not None)]
     line = ",".join(decimals for *_, decimals in columns) + "\n"

@@ -93,7 +93,7 @@ class SimulatedRig:
     instruments : Instruments
     past_mm : ndarray, shape (m,)
         The stage's displacement before the motion, on the motion's grid; empty: the sensor has never been stretched.
-        See `testbench.rig.simulation.past`.
+        See `testbench.rig.simulation.played`.
     before : int
         How many recordings were made of the sensor before: with one seed, each has chance of its own.
     """

@@ -9,7 +9,7 @@ from typing import Any
 
 from nicegui import ui
 
-from gcode.programs.stored_plan import read_plan
+from gcode.programs.make import read_plan
 from gcode.support.errors import UserError
 from gcode.trajectories.trajectory import read_csv
 from testbench.report.figures.motion_figures import motion

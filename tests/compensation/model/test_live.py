@@ -16,8 +16,7 @@ from compensation.model.runtime import Status
 from compensation.model.streaming import CompensatorStream
 from compensation.training.options import Options
 from gcode.support.errors import UserError
-from testbench.campaigns.following import live_compensator
-from testbench.campaigns.record import Job, begin, record
+from testbench.campaigns.record import Job, begin, live_compensator, record
 from testbench.commands import record as command
 from testbench.recordings.manifest import problems
 from testbench.rig.acquisition.recorder import Limits, Recorder

@@ -16,7 +16,7 @@ from gcode.support.files import write_json
 from testbench.campaigns.plan import Plan
 from testbench.cli import main
 from testbench.fitting import constants
-from testbench.rig.connection.links import paced
+from testbench.rig.connection.parts import paced
 from testbench.rig.connection.serial_port import open_port
 from testbench.rig.simulation.played import played
 from testbench.rig.simulation.pty_port import PtyPort, serve

@@ -107,6 +107,25 @@ def test_a_machine_that_stopped_in_mid_program_is_refused():
         align(recorded(stopped, 10.0, 0), motion)
 
 
+@pytest.mark.parametrize("stop_s", [20.0, 120.0, 230.0])
+def test_a_machine_that_paused_in_mid_program_is_refused_and_the_place_is_told(stop_s):
+    """All strokes but the last few agree then, and with them the correlation."""
+    motion = wander()
+    paused_s = np.where(motion.time_s < stop_s, motion.time_s, np.maximum(stop_s, motion.time_s - 1.5))
+    paused = Motion(motion.time_s, np.interp(paused_s, motion.time_s, motion.displacement_mm))
+    with pytest.raises(UserError, match=r"about \d+ s\); .* without a stop"):
+        align(recorded(paused, 5.0, 0), motion)
+
+
+def test_a_stage_that_is_moved_away_after_its_program_is_aligned():
+    motion = wander()
+    given = recorded(motion, 5.0, 0, tail_s=8.0)
+    away_mm = given["displacement_mm"] + np.where(given.time_s > 250.0, 2.0, 0.0)
+    assert align(replace(given, channels={"displacement_mm": away_mm}), motion).delay_s == pytest.approx(
+        5.0, abs=0.01
+    )
+
+
 def test_a_stage_that_stands_still_is_refused():
     motion = wander()
     still = Motion(motion.time_s, 0 * motion.time_s)

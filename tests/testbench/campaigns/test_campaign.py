@@ -26,8 +26,7 @@ from testbench.recordings.instruments import Instruments, Room
 from testbench.recordings.manifest import IN_PROGRESS, Campaign, problems, read_manifest, sealed, write_manifest
 from testbench.recordings.versions import software_versions
 from testbench.results.model_file import ModelFile, load_model_file
-from testbench.rig.simulation.past import past_displacement
-from testbench.rig.simulation.played import played
+from testbench.rig.simulation.played import past_displacement, played
 from testbench.rig.simulation.simulated import SIMULATED_HZ, Motion, SimulatedRig
 from tests.testbench.rig.rigs import plan, program, triangle
 

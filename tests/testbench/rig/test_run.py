@@ -13,8 +13,7 @@ from testbench.campaigns.plan import plan_of
 from testbench.knit.catalogue import baseline
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems
-from testbench.rig.connection.links import paced
-from testbench.rig.connection.parts import in_memory
+from testbench.rig.connection.parts import in_memory, paced
 from testbench.rig.protocol.wire import decode
 from testbench.rig.simulation.played import played
 from tests.testbench.rig.rigs import plan, program, rig
@@ -78,6 +77,13 @@ def test_a_run_is_not_repeated_and_not_overwritten_unasked(words, tmp_path, caps
     assert cli.main([*words, "--divider-ohm", "1000", "--overwrite", *out]) == 0
     recipe = read_recording(tmp_path / "c").metadata["recipe"]
     assert recipe["instruments"]["divider"]["reference_ohm"] == 1000
+
+
+@pytest.mark.parametrize(("reference_ohm", "told"), [("1", True), ("1e12", True), ("606000", False), ("1e7", False)])
+def test_a_divider_that_does_not_suit_the_sensor_is_told(tmp_path, capsys, reference_ohm, told):
+    out = ["--program", str(program(tmp_path)), "-o", str(tmp_path / "c"), "--divider-ohm", reference_ohm]
+    assert cli.main(["run", "--sensor", "pes", *out]) == 0
+    assert ("in steps of" in capsys.readouterr().out) == told
 
 
 def test_a_thermometer_is_recorded_and_the_knit_feels_the_room(words, tmp_path):

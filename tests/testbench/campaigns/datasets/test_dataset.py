@@ -17,7 +17,7 @@ import testbench as tb
 from gcode.support.errors import UserError
 from testbench import cli
 from testbench.campaigns.datasets import dataset
-from testbench.campaigns.datasets.dataset import OneAtATime, make
+from testbench.campaigns.datasets.dataset import make, one_at_a_time
 from testbench.campaigns.datasets.spec import read_spec
 from testbench.campaigns.datasets.tasks import tasks_of, varied
 from testbench.campaigns.remake import made_again
@@ -231,9 +231,9 @@ def test_a_data_set_that_fails_before_anything_is_made_leaves_no_folder(tmp_path
 
 def test_a_second_command_in_the_same_folder_is_refused(tmp_path):
     with (
-        OneAtATime(tmp_path),
+        one_at_a_time(tmp_path),
         pytest.raises(UserError, match="another `testbench dataset`"),
-        OneAtATime(tmp_path),
+        one_at_a_time(tmp_path),
     ):
         pass
 
@@ -242,13 +242,13 @@ def test_drafts_of_killed_workers_are_cleared_away(tmp_path):
     (tmp_path / ".knit-1.abc" / "campaign").mkdir(parents=True)
     (tmp_path / ".knit-2.abc").mkdir()  # killed before its campaign was begun, or after it was moved into its place
     (tmp_path / ".mine.abc" / "notes").mkdir(parents=True)
-    with OneAtATime(tmp_path):
+    with one_at_a_time(tmp_path):
         assert [path.name for path in tmp_path.iterdir() if path.is_dir()] == [".mine.abc"]
 
 
 def test_a_scheduler_that_is_not_there_is_said_in_a_sentence(tmp_path, capsys, monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr("testbench.campaigns.datasets.cluster.CONNECT_S", 1)
+    monkeypatch.setattr("testbench.campaigns.datasets.dataset.CONNECT_S", 1)
     words = ["dataset", str(written(tmp_path)), "-o", str(tmp_path / "out"), "--scheduler", "tcp://127.0.0.1:9"]
     assert cli.main(words) == 2
     assert "no Dask scheduler answers there" in capsys.readouterr().err
@@ -322,9 +322,9 @@ def test_a_lock_that_was_taken_away_while_it_was_opened_holds_nobody_up_and_is_m
 
     monkeypatch.setattr(dataset, "fcntl", SimpleNamespace(**{**vars(fcntl), "flock": flock}))
     with (
-        OneAtATime(tmp_path),
+        one_at_a_time(tmp_path),
         pytest.raises(UserError, match="another `testbench dataset` is at work"),
-        OneAtATime(tmp_path),
+        one_at_a_time(tmp_path),
     ):
         pass
     assert len(locked) == 3

@@ -118,3 +118,10 @@ def test_after_a_resume_a_stage_is_watched_before_it_is_said_to_stand():
     over = [ending(SimpleNamespace(time_us=time_us, sample=sample)) for time_us, sample in rows]
     assert not any(over[: round(TAIL_S * RATE_HZ)])
     assert over[-1]
+
+
+def test_a_motion_too_small_to_be_seen_is_told():
+    piece = gcode.Triangle(high_percent=0.5, speed_mm_per_s=0.1)
+    trajectory = gcode.generate(piece, seed=1).trajectory
+    assert "below 0.2 mm" in EndOfMotion.of(Motion(trajectory.time_s, trajectory.position_mm)).remark()
+    assert EndOfMotion.of(perlin()).remark().startswith("the stage was seen to come 0.0 mm")

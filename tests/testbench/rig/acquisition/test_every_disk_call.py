@@ -26,8 +26,7 @@ from testbench.recordings.manifest import NAME, problems, read_manifest
 from testbench.results.model_file import ModelFile, load_model_file
 from testbench.rig.acquisition.recorder import Limits
 from testbench.rig.connection.parts import Chunk, End
-from testbench.rig.protocol.file_lines import csv_line
-from testbench.rig.protocol.items import Row
+from testbench.rig.protocol.items import Row, csv_line
 from testbench.rig.protocol.stream import Intake
 from tests.faulty_disk import AFTER_A_CUT, FaultyDisk, PowerCut
 from tests.testbench.rig.rigs import plan, program, rig, triangle
@@ -40,14 +39,14 @@ MORE = list(rig(duration_s=4.0).lines())[40:60]
 @pytest.fixture(autouse=True)
 def _by_hand(monkeypatch):
     """Syncs come between batches, not from a thread; a small room and a program that is played once."""
-    monkeypatch.setattr("testbench.campaigns.campaign.Syncer", Hand)
+    monkeypatch.setattr("testbench.campaigns.campaign.synced", Hand)
     monkeypatch.setattr("testbench.campaigns.record.ROOM_BYTES", 64)
     motion = triangle(30.0), 25.0
     monkeypatch.setattr("testbench.campaigns.record.played", lambda *_: motion)
 
 
 class Hand(contextlib.nullcontext):
-    """In place of the `Syncer`: nothing runs beside the recorder, the link syncs."""
+    """In place of the `synced`: nothing runs beside the recorder, the link syncs."""
 
     def __init__(self, sink) -> None:
         super().__init__()

@@ -17,8 +17,7 @@ from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems
 from testbench.rig.acquisition.recorder import Limits
 from testbench.rig.connection.parts import Chunk, End
-from testbench.rig.protocol.file_lines import csv_line
-from testbench.rig.protocol.items import Row
+from testbench.rig.protocol.items import Row, csv_line
 from testbench.rig.protocol.stream import Intake
 from tests.testbench.rig.rigs import program, rig
 

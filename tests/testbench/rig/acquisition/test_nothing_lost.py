@@ -22,8 +22,7 @@ from testbench.recordings.manifest import problems
 from testbench.rig.acquisition.recorder import Limits
 from testbench.rig.acquisition.sink import Sink
 from testbench.rig.connection.serial_port import SerialLink
-from testbench.rig.protocol.file_lines import csv_line
-from testbench.rig.protocol.items import Row
+from testbench.rig.protocol.items import Row, csv_line
 from testbench.rig.protocol.stream import Intake
 from testbench.rig.protocol.wire import MICROS_WRAP
 from testbench.rig.simulation.faults import faulty
