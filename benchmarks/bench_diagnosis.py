@@ -267,7 +267,7 @@ def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
         default="",
         help="second, third: only sensors with these laws (elasticity=fung,ogden), or without (elasticity!=fung)",
     )
-    parser.add_argument("--seeds", type=_range, help="such as 0:5")
+    parser.add_argument("--seeds", type=seeds_in, help="such as 0:5")
     parser.add_argument("--kinds", type=int, metavar="N", help="N recordings of any kind instead")
     parser.add_argument("--limit", type=int, help="stop after so many cases")
     parser.add_argument("--results", type=Path, help="JSON lines to append to and to resume from")
@@ -288,7 +288,7 @@ def _numbers(text: str) -> list[float]:
     return [float(part) for part in text.split(",")]
 
 
-def _range(text: str) -> list[int]:
+def seeds_in(text: str) -> list[int]:
     start, _, end = text.partition(":")
     return list(range(int(start), int(end))) if end else [int(start)]
 
