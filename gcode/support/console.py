@@ -203,6 +203,7 @@ def _file(word: str, written: bool) -> tuple[int, int] | str | None:
 
 
 def _fail(command: str, message: str) -> int:
+    message = message.removeprefix(f"{command.split()[-1]}: ")  # a function that is called like its command
     message = _SUBJECT.sub(lambda name: _OPTIONS.get(name[1].lower(), name[0]), message)
     print(f"{command}: error: {printable(message)}", file=sys.stderr)
     return EXIT_BAD_INPUT

@@ -3,13 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
-
-from testbench.comparing.remounting import held_errors
-from testbench.measurements.joining import last_of
-from testbench.recordings.recording import Recording
-from testbench.results.model_file import ModelFile
 
 CLEARLY = 0.8  # of an error: what leaves more has not changed it
 LEFT_AT_MOST = 0.5  # of what laws should explain, by those that are named
@@ -57,31 +51,6 @@ def fails_elsewhere(history: Steps, found: int) -> str:
     return (
         f"{fails}that recording shows what this one does not. Diagnose it as well, or one that has the motion of both"
     )
-
-
-def with_same_specimen(
-    file: ModelFile, found: int, recording: Recording, held_out: Recording, clamp_play_mm: float
-) -> ModelFile:
-    """The ladder of a diagnosis; where it fails on a fresh specimen, the last step also says its errors on the same.
-
-    Those are in ``errors["same_specimen"]``: of `held_out` after `recording` and a rest of `REST_S`.
-
-    Parameters
-    ----------
-    file : ModelFile
-        With the ladder of a diagnosis whose held-out recording was taken for one of a fresh specimen.
-    found : int
-        How many effects were put in.
-    recording, held_out : Recording
-    clamp_play_mm : float
-        See `Measurement`.
-    """
-    if not fails_elsewhere(file.history, found):
-        return file
-    again = last_of([recording, held_out], [REST_S], clamp_play_mm)
-    *earlier, last = file.history
-    errors = {**last["errors"], "same_specimen": held_errors(file.model, again)}
-    return replace(file, history=(*earlier, {**last, "errors": errors}))
 
 
 def _times(errors: Mapping[str, Mapping[str, float]], kind: str, channel: str) -> float:

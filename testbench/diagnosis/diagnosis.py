@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from gcode.support.errors import UserError
-from testbench.comparing.carried_over import REST_S, with_same_specimen
+from testbench.comparing.carried_over import REST_S
+from testbench.comparing.same_specimen import with_same_specimen
 from testbench.diagnosis.conclusion import concluded
 from testbench.diagnosis.result import Diagnosis
 from testbench.diagnosis.searching.search import Progress, searched

@@ -27,11 +27,8 @@ def proposal(proposed: Proposed) -> style.Figure:
     panels: list[tuple[str, str]] = []
     for step in proposed.steps:
         traces += _dependence(step, len(panels))
-        term, channel = step.option.law.term, step.option.law.place.channel
-        unit = "" if str(term.unit) == "1" else f", in {term.unit}"
-        panels.append(
-            (f"z = {plain(term.latex)}{unit}", f"What the {channel_name(channel)} lacks / {UNIT_OF[channel]}")
-        )
+        channel = step.option.law.place.channel
+        panels.append((part_of(step), f"What the {channel_name(channel)} lacks / {UNIT_OF[channel]}"))
     before, after = (_residuals(model, proposed.held) for model in (proposed.before.model, proposed.after.model))
     for channel, values in after.items():
         traces += _over_time(before[channel], values, proposed.held, len(panels))
@@ -55,6 +52,12 @@ def proposal(proposed: Proposed) -> style.Figure:
     ]
     height = ROW_PX * len(panels) + 60
     return style.figure(traces, height=height, annotations=notes, legend=LEGEND, **axes)
+
+
+def part_of(step: Step) -> str:
+    """The changing part of a law as a formula, with its unit."""
+    term = step.option.law.term
+    return f"z = {plain(term.latex)}" + ("" if str(term.unit) == "1" else f", in {term.unit}")
 
 
 def _dependence(step: Step, index: int) -> list[dict[str, Any]]:

@@ -11,8 +11,9 @@ import pytest
 import testbench as tb
 from gcode.support.errors import UserError
 from testbench.cli import main
-from testbench.comparing.carried_over import fails_elsewhere, with_same_specimen
+from testbench.comparing.carried_over import fails_elsewhere
 from testbench.comparing.ladder import ladder_step
+from testbench.comparing.same_specimen import with_same_specimen
 from testbench.diagnosis import diagnose
 from testbench.diagnosis.diagnosis import calibration_and_held_out, rest_between
 from testbench.knit.kinematics.mounting import DisplacementZeros, ForceZeros

@@ -29,7 +29,7 @@ from testbench.proposing.words import _safe, as_json, first_line, proposal_text,
 from testbench.proposing.writing import effect_class, file_text
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
-from testbench.report.figures.proposal_figures import _z
+from testbench.report.figures.proposal_figures import part_of
 from tests.testbench.asked_once import answered_once
 from tests.testbench.builders import CATALOGUE, record, truth, write_csv
 from tests.testbench.proposing.test_library import law_of
@@ -218,7 +218,7 @@ def test_the_picture_says_in_which_unit_the_part_of_a_law_is():
     step = found().steps[0]
     lag = Term(COORDINATES["force"], (OPERATORS["lag"],))
     of_force = replace(step, option=replace(step.option, law=replace(step.option.law, term=lag)))
-    assert [_z(one) for one in (step, of_force)] == ["z = n", "z = y, in N"]
+    assert [part_of(one) for one in (step, of_force)] == ["z = n", "z = y, in N"]
 
 
 def test_too_short_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
