@@ -123,21 +123,3 @@ def varying_lowpass(x: FloatArray, keep: FloatArray) -> FloatArray:
         y = keep[i] * y + (1.0 - keep[i]) * 0.5 * (x[i] + x[i - 1])
         out[i] = y
     return out
-
-
-@njit("float64[:](float64[:], float64, float64, float64)", cache=True, nogil=True)
-def activated_flow(x: FloatArray, activation: float, tau_s: float, dt_s: float) -> FloatArray:
-    """Stretch of a spring that is stretched by `x` and gives way by Eyring's flow, at rest at the start; shape (n,).
-
-    s' = x' - (activation / tau) sinh(s / activation)
-
-    Between half steps of `x` it flows as the closed form says: tanh(s / (2 activation)) falls by exp(-dt / tau).
-    """
-    out = np.empty_like(x)
-    s, left = 0.0, math.exp(-dt_s / tau_s)
-    out[0] = s
-    for i in range(1, len(x)):
-        half = 0.5 * (x[i] - x[i - 1])
-        s = 2.0 * activation * math.atanh(left * math.tanh(0.5 * (s + half) / activation)) + half
-        out[i] = s
-    return out

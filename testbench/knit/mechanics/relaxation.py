@@ -275,36 +275,6 @@ class StressRelaxationArmPower(RelaxingArm):
         return STARTS_OF_A_POWER
 
 
-class StressRelaxationActivated(RelaxingArm):
-    """An arm beside the knit that flows by thermal activation: the more it is loaded, the quicker by far.
-
-    F = F_e - arm_force * (D - D(0) - s),   s' = D' - (activation / tau) sinh(s / activation)
-    D = sgn(e) (|e| / span)^power
-
-    Held after a quick stretch, the force sinks with the logarithm of time, and later exponentially.
-
-    Source: Eyring, J. Chem. Phys. 4 (1936) 283 (flow); Haward & Thackray, Proc. R. Soc. A 302 (1968) 453 (a spring in
-    series with it, beside another); Guiu & Pratt, Phys. Status Solidi 6 (1964) 111 (relaxation by it).
-    Valid: as `stress_relaxation_arm`, which it is where `activation` is large.
-    """
-
-    name = "stress_relaxation_activated"
-    look = "in a hold the force sinks with the logarithm of time, sooner after a quicker or a longer stretch"
-
-    tau_s: float = parameter(100.0, unit="s", low=0.5, high=1e6, scale="log", doc="time of the arm without load")
-    activation: float = parameter(
-        0.1, unit="1", low=3e-3, high=3, scale="log", doc="stretch that speeds the flow, over that at `span`"
-    )
-
-    def decayed(self, x: FloatArray, dt_s: float) -> FloatArray:
-        from testbench.knit.lags import activated_flow
-
-        return x - x[0] - activated_flow(np.ascontiguousarray(x), self.activation, self.tau_s, dt_s)
-
-    def starts(self, signals: Signals, residual: Signals) -> Points:
-        return [{"tau_s": tau_s, "activation": one} for tau_s in (10.0, 100.0, 1e4) for one in (0.03, 0.1, 0.3)]
-
-
 class StressRelaxationSeries(Effect):
     """Part of the knit gives way under its load within seconds, and comes back (delayed elasticity).
 

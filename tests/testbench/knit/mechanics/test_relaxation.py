@@ -20,7 +20,6 @@ from testbench.knit.mechanics.rate_stiffening import (
 )
 from testbench.knit.mechanics.relaxation import (
     StressRelaxation,
-    StressRelaxationActivated,
     StressRelaxationArm,
     StressRelaxationArmPower,
     StressRelaxationFindley,
@@ -81,32 +80,6 @@ def test_an_arm_relaxes_as_a_share_of_a_force_that_follows_its_curve_and_leaves_
     arm = arm.replaced(arm_force_N=0.6, power=2.0, span=0.3)
     force_N = arm.apply({"strain": strain, "force_N": spring_N + friction_N}, DT_S)["force_N"]
     np.testing.assert_allclose(force_N, alone_N + friction_N, atol=1e-12)
-
-
-@pytest.mark.parametrize(("activation", "tau_s"), [(0.05, 50.0), (0.01, 1e5)])
-def test_activated_flow_in_a_hold_is_the_closed_form_whose_tanh_falls_exponentially(
-    activation: float, tau_s: float
-) -> None:
-    """s' = -(a / tau) sinh(s / a): tanh(s / 2a) = tanh(s(0) / 2a) exp(-t / tau)."""
-    arm = StressRelaxationActivated(arm_force_N=1.0, activation=activation, tau_s=tau_s, span=1.0)
-    force_N = arm.apply({"strain": STEP, "force_N": STEP}, DT_S)["force_N"][1:]
-    left_N = 2 * activation * np.arctanh(np.tanh(0.5 * force_N[0] / activation) * np.exp(-T[1:-1] / tau_s))
-    np.testing.assert_allclose(force_N[1:], left_N, rtol=1e-6)
-    assert force_N[-1] < 0.5 * force_N[0]
-
-
-def test_activated_flow_at_a_steady_rate_comes_to_the_stress_at_which_it_flows_as_fast() -> None:
-    """sinh(s / a) = rate tau / a."""
-    arm = StressRelaxationActivated(arm_force_N=1.0, activation=0.05, tau_s=1e3, span=1.0)
-    pulled = arm.apply({"strain": 0.1 * T, "force_N": 0.1 * T}, DT_S)["force_N"]
-    assert pulled[-1] == pytest.approx(0.05 * np.arcsinh(0.1 * 1e3 / 0.05), rel=1e-3)
-
-
-def test_an_arm_whose_flow_is_hardly_quickened_is_nearly_the_linear_one() -> None:
-    signals = {"strain": 0.3 * np.sin(T / 9.0) ** 2, "force_N": np.zeros(len(T))}
-    flowing = StressRelaxationActivated(arm_force_N=0.6, activation=3.0, tau_s=7.0, power=2.0)
-    linear = StressRelaxationArm(arm_force_N=0.6, tau_s=7.0, power=2.0).apply(signals, DT_S)["force_N"]
-    np.testing.assert_allclose(flowing.apply(signals, DT_S)["force_N"], linear, atol=1e-3)
 
 
 def test_nonlinear_relaxation_of_half_the_force_loses_less_than_half() -> None:
