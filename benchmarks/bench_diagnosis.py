@@ -289,6 +289,7 @@ def _numbers(text: str) -> list[float]:
 
 
 def seeds_in(text: str) -> list[int]:
+    """Seeds as they are given: one, or the first and the one after the last (``0:5``)."""
     start, _, end = text.partition(":")
     return list(range(int(start), int(end))) if end else [int(start)]
 

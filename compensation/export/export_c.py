@@ -109,7 +109,7 @@ def c_header(compensator: TrainedCompensator | Fitted, name: str = "knitbench") 
 
 def _tables(compensator: TrainedCompensator, networks: Sequence[Network]) -> Iterator[tuple[str, FloatArray]]:
     """Name and numbers of every array of constants that is used."""
-    seen, begin, history = ranges_of(compensator), compensator.beginning or compensator.at_rest, compensator.history
+    seen, begin, history = ranges_of(compensator), compensator.begins, compensator.history
     slack = PROMISED + rounding(compensator)
     yield "limits", np.array(limits_of(compensator))
     yield "seen", np.array([seen.low - slack, seen.high + slack])

@@ -177,7 +177,7 @@ def _status(
 
 def _features(graph: _Graph, compensator: TrainedCompensator) -> tuple[str, str, str]:
     """Names of the networks' inputs, of the standardised reading, and of "this filter is still starting"."""
-    filters, begin = len(compensator.alphas), compensator.beginning or compensator.at_rest
+    filters, begin = len(compensator.alphas), compensator.begins
     low, high = limits_of(compensator)
     centred = graph("Sub", "conductance_S", [compensator.scaling_in.mean])
     reading = graph("Div", centred, [compensator.scaling_in.scale])
@@ -204,7 +204,7 @@ def _with_history(
     graph: _Graph, compensator: TrainedCompensator, x: str, later: str, steps: str, smoothed: str
 ) -> str:
     """The features with those of `compensation.memories.history` behind them."""
-    history, parts, begin = compensator.history, [smoothed], compensator.beginning or compensator.at_rest
+    history, parts, begin = compensator.history, [smoothed], compensator.begins
     if not history.count:
         return smoothed
     dt = graph("Div", steps, [compensator.rate_hz])

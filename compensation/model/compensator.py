@@ -151,6 +151,11 @@ class TrainedCompensator(Unchanging):
         return Beginning(gain, np.zeros(self.input_count))
 
     @property
+    def begins(self) -> Beginning:
+        """Where to begin in the middle of a use: as was learned, else at rest."""
+        return self.beginning or self.at_rest
+
+    @property
     def is_dead(self) -> bool:
         """Whether no start of its network came alive: its output hardly moves."""
         return self.recipe.get("dead_networks", 0) == self.recipe.get("restarts")
@@ -167,7 +172,7 @@ class TrainedCompensator(Unchanging):
         if self.seen is not None:
             values = self.seen.held(values)
         filters = len(self.alphas)
-        begin = (self.beginning if self.start == "causal" else None) or self.at_rest
+        begin = self.begins if self.start == "causal" else self.at_rest
         affine = begin.gain[:filters], begin.offset[:filters]
         time_s = np.asarray(time_s, dtype=np.float64)
         uniform = not (self.irregular or gaps_in(time_s))

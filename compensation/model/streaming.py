@@ -55,7 +55,7 @@ class CompensatorStream:
         self._compensator, self.margins = compensator, compensator.margins
         self._log_keep = log_retention(compensator.alphas)
         self._lengths = start_steps(compensator.alphas, compensator.rate_hz)
-        self._seen_in_training, self._beginning = ranges_of(compensator), compensator.beginning or compensator.at_rest
+        self._seen_in_training, self._beginning = ranges_of(compensator), compensator.begins
         self._limits = limits_of(compensator)
         self.reset()
 

@@ -204,7 +204,6 @@ def with_law(before: str, kept: Kept) -> str:
 
 
 def _adopt(studio: Studio, c: str, kept: Kept) -> None:
-
     found = load_model_file(kept.folder / MODEL, studio.effects.catalogue())
     before = models.history_of(studio, c)
     diagnosis = read_diagnosis(models.diagnosis_path(studio, c)) if models.is_fresh(studio, c) else None

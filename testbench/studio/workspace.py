@@ -283,7 +283,6 @@ def _made_in(folder: str) -> frozenset[str]:
 
 
 def _verdict(folder: Path) -> list[str]:
-
     try:
         return problems(folder)
     except UserError as error:

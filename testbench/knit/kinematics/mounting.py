@@ -63,6 +63,4 @@ class ForceZeros(Zeros):
     reads, writes = ("time_s", "force_N"), ("force_N",)
     look = "each recording is shifted along the force against the others"
 
-    force_N: Vector = parameter(
-        (0.0,), unit="N", low=-1e3, high=1e3, typical=0.02, doc="shift of each recording but the first"
-    )
+    force_N: Vector = zeros(1, unit="N", most=1e3, typical=0.02, doc="shift of each recording but the first")

@@ -220,10 +220,10 @@ class Law:
 
     def ways(self) -> list[Law]:
         """The law, and what is the same to first order: a force changed by a share, where the law ends in that."""
-        *before, last = self.term.name.split(", ")
-        if (self.place.name, last) != ("force", "times force"):
+        last = len(self.term.operators) - 1
+        if self.place.name != "force" or last < 0 or self.term.operators[last].name != "times force":
             return [self]
-        return [self, replace(self, place=PLACES["force by a share"], term=self.term.without(len(before) - 1))]
+        return [self, replace(self, place=PLACES["force by a share"], term=self.term.without(last))]
 
     def without(self, at: int) -> Law:
         """The law without its operator number `at`; its strength keeps its value, though the unit may change."""

@@ -156,7 +156,6 @@ def _figures(statistics: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 async def _picture(folder: Path, limits: dict[str, float]) -> None:
-
     planned = await aside(read_csv, folder / "trajectory.csv")
     speed, acceleration = limits.get("v_max_mm_per_s"), limits.get("a_max_mm_per_s2")
     figure = motion(planned.time_s, planned.position_mm, speed, acceleration)

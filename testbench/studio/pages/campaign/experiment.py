@@ -109,7 +109,6 @@ def _ask(studio: Studio, c: str, diagnosis: Mapping[str, Any], where: Address) -
 
 
 async def _answer(studio: Studio, c: str, found: Mapping[str, Any]) -> None:
-
     folder = studio.workspace.program(program_name(c))
     ui.label(experiment_in_words(found)).classes("verdict")
     with ui.row():
