@@ -40,7 +40,7 @@ class ActuatorBacklash(BacklashLaw):
     nonlinear = True
     look = "after each reversal force and conductance stand still for a fixed displacement"
 
-    gap: float = parameter(0.004, unit="1", low=0, high=0.2, doc="full gap, as strain (divide mm by gauge length)")
+    gap: float = parameter(0.004, unit="1", low=0, high=1, doc="full gap, as strain (divide mm by gauge length)")
     # Below 1: gaps of any size down to none are friction.
     spread: float = parameter(0.0, unit="1", low=0, high=0.8, doc="how gradually it closes: 0 all at once")
 
@@ -69,7 +69,7 @@ class ActuatorBacklashWindup(BacklashLaw):
     name = "actuator_backlash_windup"
     look = "after each reversal force and conductance are late by a displacement that builds up over a short travel"
 
-    gap: float = parameter(0.004, unit="1", low=0, high=0.2, doc="lost motion between out and back, as strain")
+    gap: float = parameter(0.004, unit="1", low=0, high=1, doc="lost motion between out and back, as strain")
     travel: float = parameter(0.004, unit="1", low=2e-4, high=0.02, scale="log", doc="strain over which it builds up")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
@@ -93,7 +93,7 @@ class ActuatorBacklashCompensated(BacklashLaw):
     looks_ahead = True  # a controller knows its next stroke
     look = "after each reversal, also of the shortest stroke, force and conductance jump by the same displacement"
 
-    gap: float = parameter(0.004, unit="1", low=-0.2, high=0.2, doc="motion lost at each turn, as strain")
+    gap: float = parameter(0.004, unit="1", low=-1, high=1, doc="motion lost at each turn, as strain")
     travel: float = parameter(0.004, unit="1", low=1e-5, high=0.02, scale="log", doc="strain over which it is")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:

@@ -140,12 +140,15 @@ class PermanentSetRecovering(PermanentSetLaw):
 
 
 class PermanentSetWorked(PermanentSetLaw):
-    """A set that grows with the strain path: every cycle ratchets the knit a little longer.
+    """A set that is worked in along the strain path: every cycle ratchets the knit a little longer.
 
-    e -= amount * (1 - exp(-path / scale)),   path = integral of |de|, 0.004 less at each turn
+    e -= amount * y,   scale dy/ds = (m / span)^power - y,   m = largest strain so far,   s = path
+
+    The path is the integral of |de|, 0.004 less at each turn. With `power` 0 the size of the stretches does not
+    matter: y = 1 - exp(-s / scale).
 
     Source: Chaboche, Int. J. Plasticity 5 (1989) 247 (saturating ratcheting over the accumulated strain).
-    Valid: cycles between similar extremes.
+    Valid: no recovery within the recording; `span` is the largest strain of the recording.
     """
 
     name = "permanent_set_worked"
@@ -153,13 +156,21 @@ class PermanentSetWorked(PermanentSetLaw):
     look = "each cycle the force starts to rise at a slightly greater displacement"
 
     amount: float = parameter(0.02, unit="1", low=0, high=0.5, doc="set in the end, as strain")
-    scale: float = parameter(20.0, unit="1", low=0.1, high=1e5, scale="log", doc="strain path for 63 % of it")
+    scale: float = parameter(20.0, unit="1", low=0.01, high=1e5, scale="log", doc="strain path for 63 % of it")
+    power: float = parameter(0.0, unit="1", low=0, high=4, doc="how it grows with the largest stretch")
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain after which it is `amount`")
 
     def added(self, signals: Signals, dt_s: float) -> FloatArray:
-        return -self.amount * np.expm1(-cycled_strain(signals) / self.scale)
+        from testbench.knit.lags import varying_lowpass
+
+        path = cycled_strain(signals)
+        goal = (np.maximum(np.maximum.accumulate(signals["strain"]), 0.0) / self.span) ** self.power
+        followed = varying_lowpass(goal, np.exp(-np.diff(path, prepend=path[0]) / self.scale))
+        return self.amount * (followed - goal[0] * np.exp(-path / self.scale))
 
     def points(self, top: float) -> Points:
-        return [{"scale": scale} for scale in (0.5, 3.0, 15.0, 60.0, 300.0)]
+        steady = [{"scale": scale} for scale in (0.5, 3.0, 15.0, 60.0, 300.0)]
+        return [*steady, *({"scale": spans * top, "power": power} for spans in (0.3, 2.0) for power in (1.0, 2.0))]
 
 
 class PermanentSetCreep(PermanentSetLaw):

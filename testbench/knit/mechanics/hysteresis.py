@@ -43,7 +43,7 @@ class Hysteresis(FrictionLaw):
     look = "force is higher while stretching than while releasing, at any speed"
 
     friction_N: float = parameter(0.3, unit="N", low=0, high=100, typical=0.05, doc="force when every element slips")
-    threshold: float = parameter(0.02, unit="1", low=5e-4, high=0.5, scale="log", doc="strain from a turn to slip")
+    threshold: float = parameter(0.02, unit="1", low=5e-5, high=2, scale="log", doc="strain from a turn to slip")
     growth: float = parameter(0.0, unit="1", low=-1, high=30, typical=2.0, doc="relative growth per unit strain")
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
@@ -65,7 +65,7 @@ class PressedFriction(FrictionLaw):
         0.5, unit="1", low=0, high=1, doc="share of it that the tension presses on; the rest is there without load"
     )
     tension_N: float = parameter(3.0, unit="N", low=1e-3, high=1e4, doc="force at which the friction is given")
-    threshold: float = parameter(0.02, unit="1", low=5e-4, high=0.5, scale="log", doc="strain from a turn to slip")
+    threshold: float = parameter(0.02, unit="1", low=5e-5, high=2, scale="log", doc="strain from a turn to slip")
 
     def deflection(self, e: FloatArray) -> FloatArray:
         """z, in [-1, 1], shape (n,): what part of the friction acts, and which way."""
@@ -115,7 +115,7 @@ class HysteresisBoucWen(PressedFriction):
     look = "force is higher while stretching than while releasing, with smooth corners"
 
     skew: float = parameter(0.3, unit="1", low=0, high=0.9, doc="0: stiff after a turn, as dry friction; 1: no loop")
-    exponent: float = parameter(1.0, unit="1", low=1, high=3, scale="log", doc="how sharply sticking turns to slip")
+    exponent: float = parameter(1.0, unit="1", low=0.3, high=3, scale="log", doc="how sharply sticking turns to slip")
 
     def deflection(self, e: FloatArray) -> FloatArray:
         return kept_bouc_wen(e, self.threshold, self.skew, self.exponent)

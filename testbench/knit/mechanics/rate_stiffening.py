@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from testbench.knit.additive import ForceFactor, ForceLaw
@@ -10,16 +12,31 @@ from testbench.knit.filters import highpass, rate
 from testbench.knit.shapes.curves import LAW_TERMS, curve
 
 REFERENCE_RATE_PER_S = 0.1
-RATE0_DOC = "rate below which the viscosity no longer grows"
 
 
-def _power_of_rate(strain: FloatArray, dt_s: float, exponent: float, rate0_per_s: float) -> FloatArray:
-    speed = rate(strain, dt_s) / REFERENCE_RATE_PER_S
-    return speed * (speed**2 + (rate0_per_s / REFERENCE_RATE_PER_S) ** 2) ** (0.5 * (exponent - 1))
+class PressedDashpot(ForceLaw):
+    """Base of the laws of a viscous force, all or a share of which the tension presses on (see `PressedFriction`).
 
+    F += force * (1 - pressed + pressed * max(F, 0) / tension) * w(e')
+    """
 
-def _powers_of_rate(*exponents: float) -> Points:
-    return [{"exponent": exponent, "rate0_per_s": rate0} for exponent in exponents for rate0 in (1e-4, 4e-3)]
+    mechanism = "viscous_rate_stiffening"
+
+    pressed: float = parameter(0.0, unit="1", low=0, high=1, doc="share of it that grows with the tension")
+    tension_N: float = parameter(3.0, unit="N", low=1e-3, high=1e4, doc="force at which the viscous force is given")
+
+    def at_rates(self, rates_per_s: FloatArray) -> FloatArray:
+        """Viscous force at `tension_N` (N), shape (n,) as the strain rates."""
+        raise NotImplementedError
+
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
+        load = np.maximum(signals["force_N"], 0.0) / self.tension_N
+        return (1 - self.pressed + self.pressed * load) * self.at_rates(rate(signals["strain"], dt_s))
+
+    def pressed_or_not(self, **values: tuple[float, ...]) -> Points:
+        """All combinations of starting values, none of it pressed on and all of it."""
+        points = itertools.product((0.0, 1.0), *values.values())
+        return [dict(zip(("pressed", *values), point, strict=True)) for point in points]
 
 
 class RateFactor(ForceFactor):
@@ -29,15 +46,18 @@ class RateFactor(ForceFactor):
     strength = "gain"
 
 
-class ViscousRateStiffening(ForceLaw):
+class ViscousRateStiffening(PressedDashpot):
     """A dashpot beside the knit: force grows with the rate of strain, by a power of it.
 
-    F += force * v (v^2 + v0^2)^((exponent - 1) / 2),   v = e' / 0.1 per s,   v0 = rate0 / 0.1 per s
+    F += force * p * v (v^2 + v0^2)^((exponent - 1) / 2),   v = e' / 0.1 per s,   v0 = rate0 / 0.1 per s
+    p = 1 - pressed + pressed * max(F, 0) / tension
 
     `exponent` 1 is Newton's dashpot (Kelvin-Voigt); towards 0 it becomes dry friction. Below `rate0` it is Newton's.
+    With `pressed` 1 the whole force grows with the rate: the loss of soft tissue grows with its stress.
 
     Source: Ferry, Viscoelastic Properties of Polymers (1980), ch. 1 (Kelvin-Voigt element); power law after
-    Ostwald - de Waele, with the plateau of Carreau, Trans. Soc. Rheol. 16 (1972) 99.
+    Ostwald - de Waele, with the plateau of Carreau, Trans. Soc. Rheol. 16 (1972) 99; Fung, Biomechanics (1993),
+    section 7.6 (in proportion to the stress).
     Valid: rates within about two decades of each other.
     """
 
@@ -49,13 +69,16 @@ class ViscousRateStiffening(ForceLaw):
         0.2, unit="N", low=0, high=100, doc="viscous force at 10 % strain per second, where `rate0` is far below that"
     )
     exponent: float = parameter(1.0, unit="1", low=0.2, high=1.5, doc="1: linear dashpot; smaller: shear thinning")
-    rate0_per_s: float = parameter(1e-4, unit="1/s", low=1e-5, high=0.1, scale="log", doc=RATE0_DOC)
+    rate0_per_s: float = parameter(
+        1e-4, unit="1/s", low=1e-5, high=0.1, scale="log", doc="rate below which the viscosity no longer grows"
+    )
 
     def starts(self, signals: Signals, residual: Signals) -> Points:
-        return _powers_of_rate(0.3, 0.6, 1.0, 1.3)
+        return self.pressed_or_not(exponent=(0.3, 0.6, 1.0, 1.3), rate0_per_s=(1e-4, 4e-3))
 
-    def change(self, signals: Signals, dt_s: float) -> FloatArray:
-        return self.force_at_rate_N * _power_of_rate(signals["strain"], dt_s, self.exponent, self.rate0_per_s)
+    def at_rates(self, rates_per_s: FloatArray) -> FloatArray:
+        v, v0 = rates_per_s / REFERENCE_RATE_PER_S, self.rate0_per_s / REFERENCE_RATE_PER_S
+        return self.force_at_rate_N * v * (v**2 + v0**2) ** (0.5 * (self.exponent - 1))
 
 
 class ViscousRateStiffeningMaxwell(ForceLaw):
@@ -90,10 +113,10 @@ class ViscousRateStiffeningMaxwell(ForceLaw):
         return self.force_at_rate_N * highpass(driving, self.tau_s, dt_s) / (self.tau_s * REFERENCE_RATE_PER_S)
 
 
-class ViscousRateStiffeningEyring(ForceLaw):
+class ViscousRateStiffeningEyring(PressedDashpot):
     """Thermally activated sliding of chains: force grows with the logarithm of the rate.
 
-    F += force * asinh(e' / rate0)
+    F += force * (1 - pressed + pressed * max(F, 0) / tension) * asinh(e' / rate0)
 
     Source: Eyring, J. Chem. Phys. 4 (1936) 283.
     Valid: linear below rate0, logarithmic above.
@@ -107,8 +130,11 @@ class ViscousRateStiffeningEyring(ForceLaw):
     force_per_efold_N: float = parameter(0.05, unit="N", low=0, high=50, doc="force per e-fold of the rate")
     rate0_per_s: float = parameter(0.01, unit="1/s", low=1e-5, high=1, scale="log", doc="rate where the log sets in")
 
-    def change(self, signals: Signals, dt_s: float) -> FloatArray:
-        return self.force_per_efold_N * np.arcsinh(rate(signals["strain"], dt_s) / self.rate0_per_s)
+    def starts(self, signals: Signals, residual: Signals) -> Points:
+        return self.pressed_or_not(rate0_per_s=(1e-4, 1e-3, 0.01, 0.1))
+
+    def at_rates(self, rates_per_s: FloatArray) -> FloatArray:
+        return self.force_per_efold_N * np.arcsinh(rates_per_s / self.rate0_per_s)
 
 
 class ViscousRateStiffeningLog(RateFactor):
@@ -131,37 +157,12 @@ class ViscousRateStiffeningLog(RateFactor):
         return 1 + self.gain * np.log1p(np.abs(rate(signals["strain"], dt_s)) / self.rate0_per_s)
 
 
-class ViscousRateStiffeningPower(RateFactor):
-    """The whole force grows with a power of the strain rate.
-
-    F *= 1 + gain * v (v^2 + v0^2)^((exponent - 1) / 2),   v = e' / 0.1 per s,   v0 = rate0 / 0.1 per s
-
-    Source: Cowper & Symonds, Brown University Applied Mathematics Report 28 (1957); exponent = 1/q there.
-    Linear below `rate0`, as in Carreau, Trans. Soc. Rheol. 16 (1972) 99.
-    Valid: rates within a few decades; releasing lowers the force as stretching raises it.
-    """
-
-    name = "viscous_rate_stiffening_power"
-    look = "the faster, the stiffer, in proportion to the force; strongest change at slow rates"
-
-    gain: float = parameter(0.1, unit="1", low=0, high=3, doc="relative force at 0.1 / s, if `rate0` is far below")
-    exponent: float = parameter(0.4, unit="1", low=0.1, high=1.5, scale="log", doc="power of the rate")
-    rate0_per_s: float = parameter(1e-4, unit="1/s", low=1e-5, high=0.1, scale="log", doc=RATE0_DOC)
-
-    def starts(self, signals: Signals, residual: Signals) -> Points:
-        return _powers_of_rate(0.15, 0.35, 0.7, 1.1)
-
-    def change(self, signals: Signals, dt_s: float) -> FloatArray:
-        raised = _power_of_rate(signals["strain"], dt_s, self.exponent, self.rate0_per_s)
-        return np.maximum(1 + self.gain * raised, 0.0)
-
-
 class ViscousRateStiffeningMagnitude(RateFactor):
     """The whole force grows with a power of the speed, whichever way the knit moves.
 
     F *= 1 + gain * (|e'| / 0.1 per s)^exponent
 
-    Source: as `viscous_rate_stiffening_power`, written for the magnitude of the rate.
+    Source: Cowper & Symonds, Brown University Applied Mathematics Report 28 (1957); exponent = 1/q there.
     Valid: as `viscous_rate_stiffening_log`.
     """
 
@@ -174,25 +175,6 @@ class ViscousRateStiffeningMagnitude(RateFactor):
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
         speed = np.abs(rate(signals["strain"], dt_s)) / REFERENCE_RATE_PER_S
         return 1 + self.gain * speed**self.exponent
-
-
-class ViscousRateStiffeningRelative(RateFactor):
-    """A dashpot that stiffens with the load: viscous force in proportion to the elastic one.
-
-    F *= 1 + gain * e' / 0.1 per s
-
-    Source: Fung, Biomechanics (1993), section 7.6: the stiffness, hence the loss, of soft tissue grows with stress.
-    Valid: while the factor stays positive (it is kept at or above zero).
-    """
-
-    name = "viscous_rate_stiffening_relative"
-    look = "fast loops are wider than slow ones, the more so the further the knit is stretched"
-
-    gain: float = parameter(0.1, unit="1", low=0, high=2, doc="relative gain of force at 10 % strain per second")
-
-    def change(self, signals: Signals, dt_s: float) -> FloatArray:
-        speed = rate(signals["strain"], dt_s) / REFERENCE_RATE_PER_S
-        return np.maximum(1 + self.gain * speed, 0.0)
 
 
 class ViscousRateStiffeningCurve(RateFactor):

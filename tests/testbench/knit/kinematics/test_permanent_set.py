@@ -103,3 +103,18 @@ def test_recovering_set_of_a_hold_grows_exponentially() -> None:
 def test_ratchet_saturates_over_the_path() -> None:
     added = PermanentSetWorked(amount=0.02, scale=0.45).added({"strain": UP_DOWN_UP}, 1.0)
     assert added[-1] == pytest.approx(0.02 * (1 - np.exp(-2)), rel=0.02)
+
+
+def test_a_set_worked_in_over_no_path_is_a_power_of_the_largest_stretch() -> None:
+    strain = np.concatenate([np.linspace(0, top, 500) for top in (0.1, 0.2)])
+    added = PermanentSetWorked(amount=0.02, scale=0.01, power=2.0, span=0.2).added({"strain": strain}, 1.0)
+    assert added[-1] == pytest.approx(0.02, rel=0.1)
+    assert added[499] == pytest.approx(0.02 / 4, rel=0.2)
+
+
+def test_a_set_that_is_worked_in_follows_a_new_largest_stretch_along_the_path() -> None:
+    out, back = np.linspace(0, 0.2, 500), np.linspace(0.2, 0, 500)
+    strain = np.concatenate([out, *[back, out] * 3])
+    added = PermanentSetWorked(amount=0.02, scale=0.4, power=1.0, span=0.2).added({"strain": strain}, 1.0)
+    tops = added[[499, 1499, 2499, 3499]]  # 0.4 of path apart, less what does not count at two turns
+    np.testing.assert_allclose(np.diff(0.02 - tops) / (tops[:-1] - 0.02), 1 - np.exp(-0.392 / 0.4), rtol=1e-2)

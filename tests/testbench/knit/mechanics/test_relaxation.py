@@ -16,7 +16,6 @@ from testbench.knit.mechanics.rate_stiffening import (
     ViscousRateStiffening,
     ViscousRateStiffeningEyring,
     ViscousRateStiffeningMaxwell,
-    ViscousRateStiffeningPower,
 )
 from testbench.knit.mechanics.relaxation import (
     StressRelaxation,
@@ -183,11 +182,22 @@ def test_a_power_of_the_rate_is_that_of_its_formula_up_to_the_highest_plateau(ra
     """The force at 10 %/s is `force_at_rate_N` where the plateau lies far below; at the highest one it is less."""
     time_s = np.arange(0, 10, 1 / rate_hz)
     signals = {"strain": 0.1 * time_s, "force_N": np.ones_like(time_s)}
-    added = ViscousRateStiffening(force_at_rate_N=0.5, exponent=0.4, rate0_per_s=rate0_per_s)
-    times = ViscousRateStiffeningPower(gain=0.5, exponent=0.4, rate0_per_s=rate0_per_s)
     expected = 0.5 * (1 + (rate0_per_s / 0.1) ** 2) ** -0.3
-    for law in (added, times):
+    for pressed in (0.0, 0.3, 1.0):  # at the tension it is the same
+        law = ViscousRateStiffening(
+            force_at_rate_N=0.5, exponent=0.4, rate0_per_s=rate0_per_s, pressed=pressed, tension_N=1.0
+        )
         np.testing.assert_allclose(law.apply(signals, 1 / rate_hz)["force_N"], 1 + expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("law", [ViscousRateStiffening, ViscousRateStiffeningEyring])
+def test_what_the_tension_presses_on_grows_in_proportion_to_it(law) -> None:
+    signals = {"strain": 0.02 * T, "force_N": np.full_like(T, 3.0)}
+    free, half, pressed = (
+        law(pressed=share, tension_N=2.0).apply(signals, DT_S)["force_N"] - 3.0 for share in (0.0, 0.5, 1.0)
+    )
+    np.testing.assert_allclose(pressed, 1.5 * free)
+    np.testing.assert_allclose(half, 1.25 * free)
 
 
 def test_a_maxwell_arm_approaches_the_force_of_its_dashpot_and_loses_it_within_its_time() -> None:
