@@ -87,14 +87,7 @@ class _Promise(BaseModel):
 class _Recalibration(BaseModel):
     model_config = ConfigDict(extra="allow", strict=True)
     on: str
-    digest: str | None = None
-    length: int | None = None
-
-    @model_validator(mode="after")
-    def _both_or_neither(self) -> Self:
-        if (self.digest is None) != (self.length is None):
-            raise ValueError("a reference is known by its digest and its length, or by neither")
-        return self
+    marks: list[int] = []
 
 
 class _Recipe(BaseModel):
@@ -103,7 +96,7 @@ class _Recipe(BaseModel):
     model_config = ConfigDict(extra="allow", strict=True)
     trained_on: list[str] = []
     trained_digests: list[str] = []
-    trained_lengths: list[int] = []
+    trained_marks: list[int] = []
     cross_validated: _Promise | None = None
     # All of them, one after another; an older file has the last one alone.
     recalibrated: Annotated[

@@ -5,7 +5,7 @@ Its shape is documented in docs/compensation.md; `testbench` reads the file and 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -44,24 +44,16 @@ def score_recordings(compensator: TrainedCompensator, recordings: Sequence[Recor
     }
 
 
-def _beginnings(part: Series, lengths: Iterable[int]) -> list[Series]:
-    """A recording, and what it was when it had so many samples: one that has grown since begins as it did."""
-    return [part, *(part.rows(np.arange(length)) for length in set(lengths) if length < len(part))]
-
-
 def _trained_on(recipe: Mapping[str, Any], part: Series) -> bool:
-    """Whether a recording was learned from, by its content; by its path where an older file says no more."""
+    """Whether a part of it was learned from, by its content; by its path where an older file says no more."""
     if "trained_digests" in recipe:
-        digests = recipe["trained_digests"]
-        return any(one.digest in digests for one in _beginnings(part, recipe.get("trained_lengths", [])))
+        return part.digest in recipe["trained_digests"] or part.holds_any(recipe.get("trained_marks", []))
     return any(_is_of(part, source) for source in recipe.get("trained_on", []))
 
 
 def _is_reference(note: Mapping[str, Any], part: Series) -> bool:
-    """Whether a recording is, or begins with, the reference of a recalibration; known as what was learned from is."""
-    if note.get("digest"):
-        return any(one.reading_digest == note["digest"] for one in _beginnings(part, [note["length"]]))
-    return _is_of(part, note["on"])
+    """Whether a part of it was the reference of a recalibration; one of a few samples is known by its path."""
+    return part.holds_any(note["marks"]) if note.get("marks") else _is_of(part, note["on"])
 
 
 def _is_of(part: Series, source: str) -> bool:

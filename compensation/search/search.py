@@ -12,7 +12,7 @@ from typing import Any
 from compensation.engines.engine import DEFAULT_L2, ENGINES
 from compensation.memories.ema import PAPER_RATE_HZ
 from compensation.search.search_space import Candidate
-from compensation.series.preprocessing import Series, series_of
+from compensation.series.preprocessing import Series, check_apart, series_of
 from compensation.series.reading import check_tared, read_signals
 from compensation.series.score import error_of_two, r2
 from compensation.training.options import Options
@@ -60,8 +60,9 @@ def evaluate(task: Task, candidate: Candidate, seed: int) -> dict[str, Any]:
 
 def check(task: Task) -> None:
     """Read the recordings once, so that a bad one, or one twice, is refused before anything is started."""
-    _series(task)
-    check_distinct(_recordings(task), "training, A and B are three recordings; give each once")
+    why = "training, A and B are three recordings; give each once"
+    check_distinct(_recordings(task), why)
+    check_apart(_series(task), why)
 
 
 @lru_cache(maxsize=2)

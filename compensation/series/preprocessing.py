@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from gcode.support.arrays import FloatArray
@@ -16,6 +18,8 @@ from testbench.recordings.recording import Recording, recorded_duration_s
 
 TARGETS = {"force": (FORCE, "N"), "displacement": (DISPLACEMENT, "mm")}
 SHORTEST_RECORDING_S = 10.0
+# Readings in a row that two recordings do not share by chance, where so many of them are new.
+PASSAGE, LEAST_NEW = 64, 12
 
 
 @dataclass(frozen=True)
@@ -26,6 +30,7 @@ class Series:
     conductance_S: FloatArray
     truth: FloatArray  # force (N) or displacement (mm)
     source: str  # where it came from
+    passages: NDArray[np.uint64] = field(default_factory=lambda: np.empty(0, np.uint64))  # of the whole recording
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -36,12 +41,15 @@ class Series:
         return hashlib.sha256(np.stack([self.conductance_S, self.truth]).tobytes()).hexdigest()
 
     @property
-    def reading_digest(self) -> str:
-        """SHA-256 of the conductance: the same whatever the target was, or was said to be, as at rest."""
-        return hashlib.sha256(self.conductance_S.tobytes()).hexdigest()
+    def marks(self) -> list[int]:
+        """Passages one after the other, by which any longer part of the recording is known again."""
+        return self.passages[::PASSAGE].tolist()
+
+    def holds_any(self, marks: Sequence[int]) -> bool:
+        return not set(marks).isdisjoint(self.passages.tolist())
 
     def rows(self, rows: NDArray[np.intp]) -> Series:
-        return Series(self.time_s[rows], self.conductance_S[rows], self.truth[rows], self.source)
+        return replace(self, time_s=self.time_s[rows], conductance_S=self.conductance_S[rows], truth=self.truth[rows])
 
 
 def series_of(recording: Recording, target: str, rate_hz: float | None) -> Series:
@@ -94,15 +102,34 @@ def _present(recording: Recording, target: str) -> str:
 
 def sampled(recording: Recording, channel: str, rate_hz: float | None) -> Series:
     """Conductance and one channel of a recording on a grid (None: as sampled), without points in a gap."""
-    gaps = recording.gaps
+    gaps, passages = recording.gaps, passages_of(recording[RESISTANCE])
     if rate_hz is not None:
         # Resistance is what was measured: interpolate it, then invert, as the paper does.
         recording = recording.resampled(rate_hz)
-    whole = Series(recording.time_s, recording.conductance_S, recording[channel], recording.source)
+    whole = Series(recording.time_s, recording.conductance_S, recording[channel], recording.source, passages)
     recorded = np.ones(len(whole), dtype=bool)
     for start_s, end_s in gaps:
         recorded &= (whole.time_s <= start_s) | (whole.time_s >= end_s)
     return whole.rows(np.flatnonzero(recorded))
+
+
+def passages_of(readings: FloatArray) -> NDArray[np.uint64]:
+    """A number for each `PASSAGE` readings in a row, as they were measured; for none at rest, which are alike."""
+    found, length = pd.util.hash_array(np.ascontiguousarray(readings)), 1
+    while length < PASSAGE:
+        found = found[:-length] * np.uint64(pow(0x9E3779B97F4A7C15, length, 2**64)) + found[length:]
+        length *= 2
+    new = np.zeros(len(readings) + 1, dtype=int)
+    new[3:] = np.cumsum((readings[2:] != readings[1:-1]) & (readings[2:] != readings[:-2]))
+    return found[new[PASSAGE:] - new[:-PASSAGE] >= LEAST_NEW]
+
+
+def check_apart(series: Sequence[Series], why: str) -> None:
+    """Refuse a recording that holds a part of another one; `why` is the end of the sentence."""
+    for count, one in enumerate(series):
+        for before in series[:count]:
+            if np.isin(one.passages, before.passages).any():
+                raise UserError(f"{one.source}: a part of it is a part of {before.source} as well; {why}")
 
 
 def stands_still(values: FloatArray) -> bool:

@@ -82,8 +82,7 @@ def recalibrated(compensator: TrainedCompensator, part: Series) -> TrainedCompen
     before, after = (_rms(one, part) for one in (compensator, found.of(compensator)))
     note = {
         "on": part.source,
-        "digest": part.reading_digest,
-        "length": len(part),
+        "marks": part.marks,
         "seconds": duration_s,
         "left_out": left_out,
         "rms_before": before,

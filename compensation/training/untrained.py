@@ -54,7 +54,7 @@ def describe(
         "method": "paper",
         "trained_on": [part.source for part in series],
         "trained_digests": [part.digest for part in series],
-        "trained_lengths": [len(part) for part in series],
+        "trained_marks": [mark for part in series for mark in part.marks],
         "samples": len(features),
         "sizes": list(options.sizes),
         "factor": options.factor,

@@ -47,8 +47,8 @@ def place(recordings, tmp_path_factory):
         (("recipe", "recalibrated"), {"on": 5}, "recipe.recalibrated.0.on"),
         (
             ("recipe", "recalibrated"),
-            [{"on": "r.csv", "digest": "00"}],
-            "recipe.recalibrated.0: a reference is",
+            [{"on": "r.csv", "marks": ["00"]}],
+            "recipe.recalibrated.0.marks.0",
         ),
         (("networks", 0, "weights", 0, 0), [1.0], "a layer has rows of weights of different lengths"),
     ],

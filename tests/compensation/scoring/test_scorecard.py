@@ -12,7 +12,7 @@ from compensation.model.prediction import predicted
 from compensation.model.streaming import CompensatorStream
 from compensation.scoring.scorecard import score_recordings
 from compensation.series import score
-from compensation.series.preprocessing import series_of
+from compensation.series.preprocessing import passages_of, series_of
 from compensation.training.options import Options
 from compensation.training.recalibration import recalibrated
 from tests.compensation.conftest import paused, train
@@ -87,6 +87,17 @@ def test_a_recording_that_has_grown_was_learned_from(recordings):
     compensator = train([first], "force", SMALL)
     scores = score_recordings(compensator, [first, *recordings[:2]])
     assert [row["role"] for row in scores["recordings"]] == ["training", "training", "held-out"]
+
+
+def test_a_part_of_what_was_learned_from_was_learned_from(compensator, recordings, tmp_path):
+    """Whatever its name, its times and the sample it begins with; at rest two recordings may be alike by chance."""
+    files.save(tmp_path / "c.json", compensator)
+    cut = [one.between(101.3, 130.0) for one in recordings[:2]]
+    parts = [replace(one, time_s=one.time_s - one.time_s[0], source="elsewhere") for one in cut]
+    scores = score_recordings(files.load(tmp_path / "c.json"), parts)
+    assert [row["role"] for row in scores["recordings"]] == ["training", "held-out"]
+    at_rest = np.tile([1e6, 1e6 + 1], 100)
+    assert not len(passages_of(at_rest))
 
 
 def test_a_reference_was_not_held_out(compensator, recordings):

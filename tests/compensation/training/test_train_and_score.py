@@ -166,6 +166,22 @@ def test_the_same_recording_twice_is_refused(recordings, tmp_path, capsys):
     assert not (tmp_path / "c.json").exists()
 
 
+def test_a_recording_and_a_part_of_it_are_refused(recordings, tmp_path, capsys):
+    """The part would be learned from and predicted."""
+    part = recordings[0].between(60.0, 120.0)
+    given = {"a.csv": recordings[0], "b.csv": replace(part, time_s=part.time_s - 60.0), "c.csv": recordings[1]}
+    for name, recording in given.items():
+        write_recording_csv(tmp_path / name, recording)
+    names = [str(tmp_path / name) for name in given]
+    base = ["--target", "force", "--gauge-length-mm", "25", "-o", str(tmp_path / "out")]
+    for words in (["train", *names[:2], *base], ["search", *names, *base, "--sample", "1"]):
+        assert main(words) == 2
+        said = capsys.readouterr().err
+        assert "b.csv: a part of it is a part of" in said
+        assert said.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
 def test_one_recording_is_not_scored_or_searched_twice(compensator, recordings, tmp_path, capsys):
     compensator_files.save(tmp_path / "c.json", compensator)
     write_recording_csv(tmp_path / "a.csv", recordings[1])
