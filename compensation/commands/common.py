@@ -20,6 +20,7 @@ PICTURES = (".png", ".pdf", ".svg")
 WIDEST, DEEPEST = 256, 8
 # Of r2: so much lost to gain and zero is worth a word.
 MUCH = 0.05
+DOUBTED = "was this sensor's reference recorded throughout, and without spikes?"
 NOTHING_KNOWN = (
     "no sample has a conductance that the training had: is resistance_ohm in ohm, and the sensor one of the kind "
     "that was trained on?"
@@ -122,6 +123,11 @@ def _below_the_table(scores: dict[str, Any]) -> list[str]:
             f"{lost:.2f} of r2 is lost to gain and zero, as on another day or specimen: `compensation recalibrate` "
             "mends them with a minute of reference"
         )
+    lines += [
+        f"{_short(row['source'])}: the prediction hardly follows the reference: {DOUBTED}"
+        for row in scores["recordings"]
+        if row["r2_rescaled"] <= 0
+    ]
     if scores["compensator"]["per_recording_scaling"]:
         lines.append(
             "scaled per recording: the mean and the spread of each recording's own target were used, which no "
@@ -161,9 +167,7 @@ def cross_validation_table(recipe: Mapping[str, Any], unit: str) -> str:
             "sensor, and in the same units?"
         )
     if promise["r2_ordinary"] <= 0:
-        lines.append(
-            "  no better than a constant: was this sensor's reference recorded throughout, and without spikes?"
-        )
+        lines.append(f"  no better than a constant: {DOUBTED}")
     if recipe["chosen"] == "line":
         lines.append("  nothing is better than a straight line here, so that is what you get")
     return "\n".join(lines)

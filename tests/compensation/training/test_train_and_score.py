@@ -166,6 +166,15 @@ def test_the_same_recording_twice_is_refused(recordings, tmp_path, capsys):
     assert not (tmp_path / "c.json").exists()
 
 
+def test_a_score_against_a_spike_is_doubted(compensator, recordings):
+    """One reading of the cell outweighs all others, and the printed error is that of the spike."""
+    sound, spiked = recordings[1], recordings[1]["force_N"].copy()
+    spiked[500] = 1e6
+    broken = replace(sound, channels={**sound.channels, "force_N": spiked})
+    tables = [score_table(score_recordings(compensator, [one])) for one in (sound, broken)]
+    assert ["without spikes?" in table for table in tables] == [False, True]
+
+
 def test_a_recording_and_a_part_of_it_are_refused(recordings, tmp_path, capsys):
     """The part would be learned from and predicted."""
     part = recordings[0].between(60.0, 120.0)
