@@ -15,6 +15,7 @@ import numpy as np
 from sequence_networks import Gru, Tcn, adam
 
 from compensation.memories.history import History
+from compensation.model.compensator import Scaling
 from compensation.paper.reproduction import regressors
 from compensation.series.preprocessing import Series
 from compensation.training.lessons import STATE_SHIFT
@@ -47,6 +48,7 @@ class Fitted:
 
 
 Rival = Callable[[Sequence[Series], str, int], Fitted]
+Scales = tuple[Scaling, Scaling]
 
 
 def line(series: Sequence[Series], target: str, seed: int) -> Fitted:
@@ -160,30 +162,26 @@ def ours(method: str) -> Rival:
     return fit
 
 
-def _scales(series: Sequence[Series]) -> tuple[float, float, float, float]:
-    x = np.concatenate([part.conductance_S for part in series])
-    y = np.concatenate([part.truth for part in series])
-    return float(x.mean()), float(x.std()), float(y.mean()), float(y.std())
+def _scales(series: Sequence[Series]) -> Scales:
+    columns = [[part.conductance_S for part in series], [part.truth for part in series]]
+    scaling_in, scaling_out = (Scaling.of(np.concatenate(column)) for column in columns)
+    return scaling_in, scaling_out
 
 
-def _slow(
-    part: Series, scales: tuple[float, float, float, float], first: int = SEQUENCE_EVERY - 1
-) -> tuple[FloatArray, FloatArray]:
+def _slow(part: Series, scales: Scales, first: int = SEQUENCE_EVERY - 1) -> tuple[FloatArray, FloatArray]:
     """Standardised signal and truth of every fourth sample: the signal's mean over it and the three before."""
     earlier = np.full(SEQUENCE_EVERY - 1, part.conductance_S[0])
     signal = np.convolve(np.append(earlier, part.conductance_S), np.full(SEQUENCE_EVERY, 1 / SEQUENCE_EVERY), "valid")
     rows = slice(first, None, SEQUENCE_EVERY)
-    return (signal[rows] - scales[0]) / scales[1], (part.truth[rows] - scales[2]) / scales[3]
+    return scales[0].apply(signal[rows]), scales[1].apply(part.truth[rows])
 
 
-def _fast(
-    part: Series, run: Callable[[FloatArray], FloatArray], scales: tuple[float, float, float, float]
-) -> FloatArray:
+def _fast(part: Series, run: Callable[[FloatArray], FloatArray], scales: Scales) -> FloatArray:
     """At 20 Hz and in units, from four runs, each of which begins a sample later: none sees what is to come."""
     out = np.empty(len(part))
     for first in range(SEQUENCE_EVERY):
         out[first::SEQUENCE_EVERY] = run(_slow(part, scales, first)[0])
-    return out * scales[3] + scales[2]
+    return scales[1].invert(out)
 
 
 def _of_the_paper(name: str) -> Callable[[int], object]:

@@ -100,13 +100,8 @@ def state_of(compensator: TrainedCompensator) -> dict[str, int]:
     """Names and sizes of the state."""
     filters, history = len(compensator.alphas), compensator.history
     state = {"forced": filters, "fading": filters, "sums": filters, "seen": filters, "elapsed": 1, "last": 1}
-    if history.count:
-        state["settled"] = 1
-    if history.motion_taus_s:
-        state["motion"] = len(history.motion_taus_s)
-    if history.play_radii:
-        state["play"] = len(history.play_radii)
-    return state
+    state |= {"settled": min(history.count, 1), "motion": len(history.motion_taus_s), "play": len(history.play_radii)}
+    return {name: size for name, size in state.items() if size}
 
 
 def _model(compensator: TrainedCompensator) -> Any:

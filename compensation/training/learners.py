@@ -98,45 +98,6 @@ class Line(Learner):
         return Learned((linear(np.array([slope]), float(y.mean() - slope * x.mean())),), {"l2": 0.0})
 
 
-@dataclass(frozen=True)
-class Sums:
-    """Sums over some rows of products of the features, a one and the target, each shape (k + 2, k + 2).
-
-    Of a ridge regression: folds are added and taken away without going through rows again.
-    """
-
-    learn: FloatArray  # averaged over all versions of the recording
-    judge: FloatArray  # of the first version alone, the recording as it is
-
-    @classmethod
-    def of(cls, lesson: Lessons, rows: Mask) -> Sums:
-        products = []
-        for version in lesson.versions:
-            x = np.column_stack([version[rows], np.ones(rows.sum()), lesson.truth[rows]])
-            products.append(x.T @ x)
-        return cls(np.sum(products, axis=0) / len(products), products[0])
-
-    @classmethod
-    def total(cls, parts: Sequence[Sums]) -> Sums:
-        return cls(sum(part.learn for part in parts), sum(part.judge for part in parts))  # type: ignore[arg-type]
-
-    def solved(self, l2: float) -> tuple[FloatArray, float]:
-        """Weights and bias; the penalty is on features of unit variance, in shares of the number of rows."""
-        count = self.learn[-2, -2]
-        mean = self.learn[:-2, -2] / count
-        covariance = self.learn[:-2, :-2] / count - np.outer(mean, mean)
-        target_mean = self.learn[-1, -2] / count
-        cross = self.learn[:-2, -1] / count - mean * target_mean
-        spread = np.sqrt(np.maximum(np.diag(covariance), 1e-12))
-        scaled = covariance / np.outer(spread, spread) + l2 * np.eye(len(spread))
-        weights = np.linalg.solve(scaled, cross / spread) / spread
-        return weights, float(target_mean - mean @ weights)
-
-    def error(self, weights: FloatArray, bias: float) -> float:
-        w = np.concatenate([weights, [bias, -1.0]])
-        return float(w @ self.judge @ w)
-
-
 class Ridge(Learner):
     """Ridge regression on bank, motion and play; its penalty is cross-validated within the recordings."""
 
@@ -144,18 +105,47 @@ class Ridge(Learner):
 
     def fit(self) -> Learned:
         fold = contiguous(len(self.features), FOLDS)
-        parts = [Sums.of(self.lessons, fold == number) for number in range(FOLDS)]
-        errors = [self._error(parts, l2) for l2 in RIDGE_PENALTIES]
+        parts = np.stack([products_of(self.lessons, fold == number) for number in range(FOLDS)])
+        errors = [self.error(parts, l2) for l2 in RIDGE_PENALTIES]
         l2 = RIDGE_PENALTIES[int(np.argmin(errors))]
-        return Learned((linear(*Sums.total(parts).solved(l2)),), {"l2": l2})
+        return Learned((linear(*solved(parts.sum(axis=0), l2)),), {"l2": l2})
 
     @staticmethod
-    def _error(parts: Sequence[Sums], l2: float) -> float:
+    def error(parts: FloatArray, l2: float) -> float:
+        """Squared error on the recording as it is, of every fold by what the others say."""
         held_out = 0.0
-        for number, part in enumerate(parts):
-            rest = Sums.total([other for index, other in enumerate(parts) if index != number])
-            held_out += part.error(*rest.solved(l2))
+        for number, (_, judge) in enumerate(parts):
+            weights, bias = solved(np.delete(parts, number, axis=0).sum(axis=0), l2)
+            w = np.concatenate([weights, [bias, -1.0]])
+            held_out += float(w @ judge @ w)
         return held_out
+
+
+def products_of(lesson: Lessons, rows: Mask) -> FloatArray:
+    """Sums over some rows of products of the features, a one and the target: shape (2, k + 2, k + 2).
+
+    First averaged over all versions of the recording, to learn from, then of the recording as it is. Folds of a ridge
+    regression are added and taken away without going through rows again.
+    """
+    products = []
+    for version in lesson.versions:
+        x = np.column_stack([version[rows], np.ones(rows.sum()), lesson.truth[rows]])
+        products.append(x.T @ x)
+    return np.stack([np.mean(products, axis=0), products[0]])
+
+
+def solved(products: FloatArray, l2: float) -> tuple[FloatArray, float]:
+    """Weights and bias; the penalty is on features of unit variance, in shares of the number of rows."""
+    learn, _ = products
+    count = learn[-2, -2]
+    mean = learn[:-2, -2] / count
+    covariance = learn[:-2, :-2] / count - np.outer(mean, mean)
+    target_mean = learn[-1, -2] / count
+    cross = learn[:-2, -1] / count - mean * target_mean
+    spread = np.sqrt(np.maximum(np.diag(covariance), 1e-12))
+    scaled = covariance / np.outer(spread, spread) + l2 * np.eye(len(spread))
+    weights = np.linalg.solve(scaled, cross / spread) / spread
+    return weights, float(target_mean - mean @ weights)
 
 
 class Paper(Learner):

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import bench_compensators
 import bench_training
 import compensator_promises
+import compensator_rivals
 import numpy as np
 import pandas as pd
 import pytest
@@ -17,6 +18,7 @@ from compensator_options import add_kinds, add_specimens, names
 
 from compensation.paper.reproduction import prepared
 from compensation.search import search_space
+from compensation.series.preprocessing import series_of
 
 SMALL = search_space.spread(search_space.candidates(), 2)[0]
 
@@ -42,6 +44,14 @@ def test_pairs_are_averaged_over_materials():
     means = {line.split(":")[1].split()[0]: line.split()[-2:] for line in lines if line.startswith("mean of")}
     assert means == {"silver,": ["0.650", "0.150"], "cb,": ["0.800", "0.300"], "all": ["0.700", "0.200"]}
     assert lines[-1].startswith("mean of 3")
+
+
+def test_a_rival_sees_nothing_of_what_is_to_come(recordings):
+    """At every sample of 20 Hz, though it runs at 5 Hz: ours does not either."""
+    part = series_of(recordings[0].between(0.0, 30.0), "force", 20.0)
+    fitted = compensator_rivals.reservoir([part], "force", 0)
+    shorter = part.rows(np.arange(len(part) - 7))
+    np.testing.assert_allclose(fitted.predict(part)[:-7], fitted.predict(shorter), rtol=1e-9)
 
 
 def test_a_promise_is_held_against_every_other_recording_of_the_sensor(monkeypatch, tmp_path):

@@ -27,7 +27,7 @@ from compensation.training.auto import (
     weights_of,
 )
 from compensation.training.folds import folds_of
-from compensation.training.learners import Ridge, Sums, linear
+from compensation.training.learners import Ridge, linear, products_of, solved
 from compensation.training.lessons import features_at_pace
 from compensation.training.options import Options
 from gcode.support.errors import UserError
@@ -275,11 +275,11 @@ def test_ridge_is_scikit_learns(series):
     rows = np.ones(len(lesson.truth), dtype=bool)
     x = StandardScaler().fit_transform(lesson.versions[0])
     expected = Reference(alpha=0.1 * len(x)).fit(x, lesson.truth).predict(x)
-    got = linear(*Sums.of(lesson, rows).solved(0.1))(lesson.versions[0])
+    products = products_of(lesson, rows)
+    got = linear(*solved(products, 0.1))(lesson.versions[0])
     np.testing.assert_allclose(got, expected, atol=1e-8)
-    weights, bias = Sums.of(lesson, rows).solved(0.1)
     squares = float(np.sum((lesson.truth - expected) ** 2))
-    assert Sums.of(lesson, rows).error(weights, bias) == pytest.approx(squares, rel=1e-6)
+    assert learner.error(np.stack([products, products]), 0.1) == pytest.approx(2 * squares, rel=1e-6)
 
 
 def promise_of(path) -> dict[str, float]:
