@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 SUMMARY = "train a compensator on one or more recordings, with what cross-validation promises of it"
 EXAMPLE = "compensation train campaigns/pes-T --target force -o pes.compensator.json"
-GIVEN_TWICE = "give each recording once, or cross-validation would predict it from itself"
 # What --method paper is told, and the other methods choose themselves.
 OWN_CHOICES = ("hidden", "factors", "factor", "count", "l2", "restarts", "engine")
 
@@ -69,13 +68,10 @@ def _add_own_choices(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     from compensation.model.files import save
     from compensation.scoring.scorecard import score_recordings
-    from testbench.recordings.channels import RESISTANCE
-    from testbench.recordings.doubts import check_distinct
 
     options = _options(args)
     common.check_places(args.output, args.plot)
     recordings = common.read_all(args, "force" if args.twin else args.target)  # a twin is fitted on the force as well
-    check_distinct(recordings, GIVEN_TWICE, channels=(RESISTANCE,))
     # Where no method is named, it is the paper's if one of its options is given.
     args.method = args.method or ("paper" if given(args, OWN_CHOICES) or args.per_recording else "auto")
     _check_long_enough(args, options, recordings)
@@ -169,7 +165,7 @@ def _from_data(args: argparse.Namespace, recordings: list[Recording], options: O
     from gcode.support.console import Progress
 
     series = [series_of(recording, args.target, options.resampling_hz) for recording in recordings]
-    check_apart(series, GIVEN_TWICE)
+    check_apart(series, "give each recording once, or cross-validation would predict it from itself")
     progress = Progress("training", steps(args.method, series, options))
     return METHODS[args.method](series, args.target, options, progress.step)
 

@@ -21,8 +21,6 @@ from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from gcode.support.files import write_text
 from gcode.support.strict import json_of, read_text
-from testbench.recordings.doubts import check_distinct
-from testbench.recordings.recording import Recording
 
 DASK_ROUND = 50
 RANKED_BY = ("seed", "parameters", "dead", "E", "r2_A", "r2_B")
@@ -60,22 +58,15 @@ def evaluate(task: Task, candidate: Candidate, seed: int) -> dict[str, Any]:
 
 def check(task: Task) -> None:
     """Read the recordings once, so that a bad one, or one twice, is refused before anything is started."""
-    why = "training, A and B are three recordings; give each once"
-    check_distinct(_recordings(task), why)
-    check_apart(_series(task), why)
-
-
-@lru_cache(maxsize=2)
-def _recordings(task: Task) -> list[Recording]:
-    recordings = [read_signals(path, task.gauge_length_mm) for path in task.recordings]
-    for recording in recordings:
-        check_tared(recording, task.target)
-    return recordings
+    check_apart(_series(task), "training, A and B are three recordings; give each once")
 
 
 @lru_cache(maxsize=2)
 def _series(task: Task) -> list[Series]:
-    return [series_of(recording, task.target, PAPER_RATE_HZ) for recording in _recordings(task)]
+    recordings = [read_signals(path, task.gauge_length_mm) for path in task.recordings]
+    for recording in recordings:
+        check_tared(recording, task.target)
+    return [series_of(recording, task.target, PAPER_RATE_HZ) for recording in recordings]
 
 
 @lru_cache(maxsize=8)

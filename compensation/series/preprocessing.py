@@ -125,11 +125,11 @@ def passages_of(readings: FloatArray) -> NDArray[np.uint64]:
 
 
 def check_apart(series: Sequence[Series], why: str) -> None:
-    """Refuse a recording that holds a part of another one; `why` is the end of the sentence."""
+    """Refuse a recording that is given twice, or a part of it beside it; `why` is the end of the sentence."""
     for count, one in enumerate(series):
         for before in series[:count]:
-            if np.isin(one.passages, before.passages).any():
-                raise UserError(f"{one.source}: a part of it is a part of {before.source} as well; {why}")
+            if one.digest == before.digest or np.isin(one.passages, before.passages).any():
+                raise UserError(f"{one.source}: holds the same samples as {before.source}, or some of them; {why}")
 
 
 def stands_still(values: FloatArray) -> bool:

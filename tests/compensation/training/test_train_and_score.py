@@ -186,7 +186,7 @@ def test_a_recording_and_a_part_of_it_are_refused(recordings, tmp_path, capsys):
     for words in (["train", *names[:2], *base], ["search", *names, *base, "--sample", "1"]):
         assert main(words) == 2
         said = capsys.readouterr().err
-        assert "b.csv: a part of it is a part of" in said
+        assert "b.csv: holds the same samples as" in said
         assert said.count("\n") == 1
     assert not (tmp_path / "out").exists()
 
