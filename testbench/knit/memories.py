@@ -242,6 +242,23 @@ def stop(x: FloatArray, reach: float) -> FloatArray:
     return x - play(np.ascontiguousarray(x), np.array([reach]))[0]
 
 
+@njit("float64[:](float64[:], float64, float64, float64)", cache=True, nogil=True)
+def relaxing_stop(x: FloatArray, reach: float, tau_s: float, dt_s: float) -> FloatArray:
+    """What a slip element in series with a dashpot carries: ``dh/dt = dx/dt - h / tau``, never beyond the reach.
+
+    Exact for `x` that runs straight between its samples, but for the step in which it begins to slip.
+    """
+    out = np.empty_like(x)
+    keep = math.exp(-dt_s / tau_s)
+    passes = (1.0 - keep) * tau_s / dt_s
+    h = 0.0
+    out[0] = h
+    for i in range(1, len(x)):
+        h = min(max(h * keep + (x[i] - x[i - 1]) * passes, -reach), reach)
+        out[i] = h
+    return out
+
+
 def power_of(x: FloatArray, exponent: float) -> FloatArray:
     """A power that keeps the sign."""
     return np.sign(x) * np.abs(x) ** exponent

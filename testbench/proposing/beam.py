@@ -11,7 +11,7 @@ from scipy.optimize import minimize
 from testbench.diagnosis.searching.side_by_side import SideBySide
 from testbench.knit.effect import FloatArray
 from testbench.proposing.grids import LATE_S, Grid, rounded, usual_size
-from testbench.proposing.laws.grammar import coordinates_at, fits, price_of
+from testbench.proposing.laws.grammar import SIGNALS, coordinates_at, fits, price_of
 from testbench.proposing.laws.law import Law, Term, namespace
 from testbench.proposing.laws.law_coordinates import KINETICS
 from testbench.proposing.laws.law_parts import Operator, Slot
@@ -84,21 +84,29 @@ class Beam:
             for coordinate in coordinates:
                 plain = Term(coordinate, (), self.grid.span)
                 for values in self.grid.points(coordinate.slots, None):
-                    yield place, plain, values
-                    if coordinate.name in KINETICS:
-                        yield from self.grown(place, plain, values, ("factor",))
-                        continue
-                    yield place, changing(plain), values
-                    # What is even, or sharp, leaves no trace in its straight line.
-                    yield from self.grown(place, plain, values, ("bend",))
-                    for _, term, more in self.grown(place, plain, values, ("memory",)):
-                        yield place, term, more
-                        yield from self.sized(place, term, more)
-                        if term.memory == "lag":
-                            # What is remembered often changes a force by a share, not by an amount.
-                            yield from self.grown(place, term, more, ("factor",))
-                        else:
-                            yield place, changing(term), more
+                    yield from self.from_one(place, plain, values)
+
+    def from_one(self, place: Place, plain: Term, values: dict[str, float]) -> Iterator[Point]:
+        """A coordinate alone, and with what leaves no trace in its straight line."""
+        name = plain.coordinate.name
+        yield place, plain, values
+        if name in KINETICS:
+            yield from self.grown(place, plain, values, ("factor",))
+            return
+        yield place, changing(plain), values
+        for _, term, more in self.grown(place, plain, values, ("bend",)):
+            yield place, term, more
+            if name in SIGNALS and term.operators[0].name == "threshold":
+                # What yields flows beyond its threshold alone, of which the memory of the whole is no parent.
+                yield from self.grown(place, term, more, ("memory",))
+        for _, term, more in self.grown(place, plain, values, ("memory",)):
+            yield place, term, more
+            yield from self.sized(place, term, more)
+            if term.memory == "lag":
+                # What is remembered often changes a force by a share, not by an amount.
+                yield from self.grown(place, term, more, ("factor",))
+            else:
+                yield place, changing(term), more
 
     def sized(self, place: Place, term: Term, values: dict[str, float]) -> Iterator[Point]:
         """The term without its sign (its size, its square), where it has one."""

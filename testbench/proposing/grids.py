@@ -23,6 +23,7 @@ STRAINS = (0.1, 0.25, 0.4, 0.55, 0.7, 0.85)  # of the span
 WIDTHS = np.geomspace(0.03, 0.3, 7)  # of the span, within which a strain is one and the same
 PATHS = (0.3, 1.0, 4.0, 16.0)  # spans
 TIMES, FEWER_TIMES = 8, 4
+NEVER = 10.0  # durations: what flows may hardly come back
 HERTZ = (0.15, 3.0)
 DAMPINGS = (0.03, 0.15, 0.5)
 NUMBERS = (0.5, 1.5, 2.0, 3.0)
@@ -84,7 +85,8 @@ class Grid:
 
     def _axis(self, slot: Slot, x: FloatArray | None, few: bool) -> Sequence[float]:
         if slot.kind == "time":
-            return self.times_s(FEWER_TIMES if few else TIMES)
+            never = [NEVER * self.duration_s] if slot.key == "back_s" else []
+            return [*self.times_s(FEWER_TIMES if few else TIMES), *never]
         if slot.kind == "delay":
             return DELAYS_S
         if slot.kind == "skew":

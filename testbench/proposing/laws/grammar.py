@@ -18,9 +18,11 @@ OF_STRAIN = {"strain", "largest strain", "below the largest strain", "past the l
              "from a share of the last top",
              "direction", "strain rate", "speed", "acceleration", "time since reversal", "temperature"}  # fmt: skip
 OF_CONTACTS = {"contact force", "strain", "largest strain", "path", "time", "temperature", "time since reversal"}
+SIGNALS = {"strain", "force", "contact force", "conductance"}
 SIGNAL_ONLY = {  # memories that make sense of some coordinates alone
-    "slip": {"strain", "force", "contact force", "conductance"},
-    "ring": {"strain", "force", "contact force", "conductance"},
+    "slip": SIGNALS,
+    "relaxing slip": SIGNALS,
+    "ring": SIGNALS,
     "late": {"force", "conductance", "strain"},
     "echo": {"force", "conductance"},
     "clock": {"force", "conductance"},
@@ -36,9 +38,10 @@ ALLOWED = {Stage.READOUT: INSTRUMENT, Stage.KINEMATICS: OF_STRAIN, Stage.PRESSUR
 
 def coordinates_at(place: Place, readable: Collection[str]) -> list[Coordinate]:
     """What a law at a place may depend on, of the signals that it can read."""
-    kinetic = KINETICS.values() if place.stage in (Stage.MECHANICS, Stage.ELECTRICAL) else ()
     allowed = ALLOWED.get(place.stage)
-    kinds = [c for c in (*COORDINATES.values(), *kinetic) if allowed is None or c.name in allowed]
+    kinds = [c for c in COORDINATES.values() if allowed is None or c.name in allowed]
+    if place.stage in (Stage.KINEMATICS, Stage.MECHANICS, Stage.ELECTRICAL):
+        kinds += KINETICS.values()
     return [c for c in kinds if set(c.reads) <= set(readable)]
 
 

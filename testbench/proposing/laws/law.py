@@ -28,6 +28,7 @@ TOOLS: dict[str, Any] = {
             "kinetics", "moving", "oscillator", "relay", "held", "no_quicker", "stuck", "seconds_near", "heading",
             "since_turn", "turns_so_far", "last_top", "largest", "path", "work", "delayed", "stop", "power_of",
             "over", "bump", "broad_memory", "two_way_lag", "ever_later", "gathered", "turning",
+            "relaxing_stop",
         )
     },
 }  # fmt: skip
@@ -210,8 +211,10 @@ class Law:
 
     @property
     def family(self) -> tuple[str, ...]:
-        """Laws that differ in bends and factors alone are of one family."""
-        return self.place.name, self.term.coordinate.name, self.term.memory
+        """Laws that differ in what comes after their memory, or in bends and factors alone, are of one family."""
+        names = [one.name for one in self.term.operators]
+        until = names.index(self.term.memory) + 1 if self.term.memory else 0
+        return self.place.name, self.term.coordinate.name, *names[:until]
 
     @cached_property
     def unit(self) -> Unit:

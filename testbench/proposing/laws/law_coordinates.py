@@ -129,12 +129,6 @@ _FORMS = {
         (_EDGE, _FORM_BEYOND),
         "forms ever quicker beyond a strain",
     ),
-    "with the square": (
-        r"\frac{e^2}{s^2\,\tau_1}",
-        "e * e / ({span}**2 * self.form_s)",
-        (Slot("form_s", r"\tau_1", "time in which it forms at the largest strain"),),
-        "forms with the square of the strain",
-    ),
     "while stretching": (
         r"\frac{\dot e^+}{l_1}",
         "over(moving(e, dt_s), 0.0) / self.reach",
@@ -161,15 +155,6 @@ _ENDS = {
         (Slot("end_s", r"\tau_2", "time in which it goes, a span below"),),
         "goes only below it",
     ),
-    "near rest": (
-        r"\frac{[e < e_1]}{\tau_2}",
-        "(e < self.edge) / self.end_s",
-        (
-            Slot("edge", "e_1", "strain below which it goes", "strain", jumps=True),
-            Slot("end_s", r"\tau_2", "time in which it goes there"),
-        ),
-        "goes near rest",
-    ),
 }
 _SENSIBLE = (
     ("with time", "with motion"),
@@ -178,7 +163,6 @@ _SENSIBLE = (
     ("steeply", "with time"),
     ("while stretching", "with time"),
     ("under stretch", "when short"),
-    ("with the square", "near rest"),
 )
 
 

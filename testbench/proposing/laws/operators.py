@@ -11,6 +11,7 @@ from testbench.proposing.laws.units import NEWTON, ONE, SECOND
 _TAU = Slot("tau_s", r"\tau", "time of the memory")
 _RELAXES = (r"\tau\,\dot y = {x} - y",)
 _DELAY = Slot("delay_s", r"\delta", "delay", "delay")
+_REACH = Slot("reach", "r", "reach of the slip element", "size")
 _EDGE = Slot("edge_x", "x_1", "threshold", "level")
 _BELL = Slot("bell", "b", "width of the bell", "size")
 
@@ -57,8 +58,17 @@ OPERATORS = named(
         "stop(x, self.reach)",
         "h",
         "the slip element over {x}",
-        Slot("reach", "r", "reach of the slip element", "size"),
+        _REACH,
         definitions=(r"h = {x} - \text{play}_r({x})",),
+    ),
+    _memory(
+        "relaxing slip",
+        "relaxing_stop(x, self.reach, self.tau_s, dt_s)",
+        "h",
+        "the slip element that relaxes over {x}",
+        _REACH,
+        _TAU,
+        definitions=(r"\dot h = {x}' - \frac{h}{\tau} \text{ within } \pm r",),
     ),
     _memory(
         "loop",

@@ -59,6 +59,17 @@ def test_what_sticks_lets_go_at_its_grip():
     assert int(np.sum(np.diff(went) < -0.05)) == 3
 
 
+def test_a_slip_element_that_relaxes_carries_its_reach_at_most_and_lets_go_at_rest():
+    x = np.minimum(0.1 * T, 0.5)  # five seconds of pull, then a hold
+    carried = memories.relaxing_stop(x, 0.15, 4.0, DT_S)
+    slips = -4.0 * np.log(1 - 0.15 / 0.4) > T
+    assert carried[slips] == pytest.approx(0.4 * (1 - np.exp(-T[slips] / 4.0)))
+    assert carried.max() == pytest.approx(0.15)
+    assert carried[-1] == pytest.approx(0.15 * np.exp(-(T[-1] - 5.0) / 4.0), rel=1e-6)
+    y = 0.3 * np.sin(T)
+    assert memories.relaxing_stop(y, 0.1, 1e9, DT_S) == pytest.approx(memories.stop(y, 0.1), abs=1e-6)
+
+
 def test_time_at_rest_grows_while_nothing_moves_and_starts_anew():
     x = np.where(T < 5, 0.0, np.where(T < 6, T - 5, 1.0))
     near = memories.seconds_near(x, 0.05, DT_S)

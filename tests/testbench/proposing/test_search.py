@@ -12,7 +12,7 @@ import pytest
 from testbench.proposing.beam import TOGETHER, Beam, Found, _condensed, changing, diverse
 from testbench.proposing.grids import DAMPINGS
 from testbench.proposing.hunt import FINALISTS, OF_ONE_FAMILY, OF_ONE_PLACE, _best_of_each
-from testbench.proposing.laws.grammar import fits
+from testbench.proposing.laws.grammar import coordinates_at, fits
 from testbench.proposing.laws.law import MOST_PARAMETERS, Term, namespace
 from testbench.proposing.laws.law_coordinates import KINETICS
 from testbench.proposing.laws.operators import OPERATORS
@@ -111,6 +111,21 @@ def test_a_memory_is_tried_times_what_it_may_act_on_and_nothing_with_more_than_f
     assert "power, lag, times force" in terms  # a knit that its own work warms and softens
     assert "strain, lag, times strain" in terms
     assert max(1 + len(term.slots) for term in terms.values()) == MOST_PARAMETERS
+
+
+def test_what_flows_beyond_a_threshold_alone_is_tried_also_where_it_never_comes_back():
+    points = [
+        values for _, term, values in beam_of_the_force().seeds() if term.name == "strain, threshold, two-way lag"
+    ]
+    assert max(values["back_s"] for values in points) > 5 * GRID.duration_s > max(v["tau_s"] for v in points)
+    assert len({values["edge_x"] for values in points}) > 5
+
+
+def test_a_state_may_change_the_strain_that_the_knit_sees_and_no_reading():
+    readable = {"strain", "force_N"}
+    known = {place: {c.name for c in coordinates_at(PLACES[place], readable)} for place in PLACES}
+    assert set(KINETICS) <= known["strain"] & known["force"] & known["conductance"]  # clamps and glue creep
+    assert not set(KINETICS) & (known["force reading"] | known["conductance reading"] | known["contact force"])
 
 
 def test_what_one_channel_follows_is_tried_in_another_with_its_numbers():
@@ -212,6 +227,13 @@ def test_a_law_of_one_minute_is_none_of_the_recording():
 
 def test_a_law_has_one_family_whatever_its_bends():
     assert law_of("force", "strain", "lag", "square").family == ("force", "strain", "lag")
+
+
+def test_what_is_remembered_makes_another_family_of_a_law():
+    whole, beyond = (law_of("force", "strain", *before, "lag") for before in ((), ("threshold",)))
+    bends = [law_of("force", "strain", "lag", name) for name in ("square", "saturation")]
+    found = [Found(law, 9.0 - k) for k, law in enumerate([*bends, whole, beyond])]
+    assert [one.law for one in diverse(found, 14, OF_ONE_FAMILY)] == [*bends, beyond]
 
 
 @pytest.mark.parametrize("name", ["bell at", "switch", "wave"])
