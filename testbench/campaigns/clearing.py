@@ -11,7 +11,7 @@ from gcode.support.errors import UserError
 from gcode.support.files import drafted_folder
 from testbench.campaigns.plan import EFFECTS, PROGRAM
 from testbench.recordings import manifest
-from testbench.recordings.manifest import CSV, origin_of
+from testbench.recordings.manifest import CSV, is_campaign, origin_of
 from testbench.recordings.stored import EVENTS
 from testbench.rig.acquisition.sink import BAD, COMPENSATED, ROOM
 
@@ -63,9 +63,13 @@ def check_vacant(folder: Path, overwrite: bool = False, origin: str = "simulated
     Raises
     ------
     UserError
-        If something else is there, a campaign of another origin, or a file beside a campaign that is none of its own:
-        somebody put it there, and it would be lost.
+        If it lies in a campaign, or is where this program runs; if something else is there, a campaign of another
+        origin, or a file beside a campaign that is none of its own: somebody put it there, and it would be lost.
     """
+    if outer := next((one for one in folder.absolute().parents if is_campaign(one)), None):
+        raise UserError(f"{folder}: {outer} is a campaign, which holds no others; choose another place")
+    if folder.resolve() == Path.cwd():
+        raise UserError(f"{folder}: a new folder would take the place of the one that you are in; name one in it")
     if not folder.exists() or (folder.is_dir() and not any(folder.iterdir())):
         return
     if not folder.is_dir() or not (folder / manifest.NAME).is_file():

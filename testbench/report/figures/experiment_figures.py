@@ -52,7 +52,8 @@ def of_file(found: Mapping[str, Any], time_s: FloatArray, strain_percent: FloatA
 def ranking(evidence: Sequence[tuple[str, float]]) -> style.Figure:
     """The worth of every protocol, the best on top, and the line beyond which the evidence decides."""
     names = [name.replace("-", " ") for name, _ in evidence]
-    lengths = np.maximum([value for _, value in evidence], LEAST)
+    values = np.array([value for _, value in evidence])
+    lengths = np.maximum(values, LEAST)
     top = max(float(lengths.max()), 10 * DECISIVE)
     axes = {
         "xaxis": style.axis(
@@ -67,7 +68,11 @@ def ranking(evidence: Sequence[tuple[str, float]]) -> style.Figure:
     decisive |= {"xref": "x", "yref": "y domain", "x0": DECISIVE, "x1": DECISIVE, "y0": 0, "y1": 1}
     words = style.note("decisive", float(np.log10(DECISIVE)), 1.0, xref="x", xanchor="left", yanchor="bottom")
     return style.figure(
-        [style.bars(lengths, [style.BLUE] + [style.FAINT] * (len(evidence) - 1), "%{x:.3g}")],
+        [
+            style.bars(
+                lengths, [style.BLUE] + [style.FAINT] * (len(evidence) - 1), "%{customdata:.3g}", customdata=values
+            )
+        ],
         height=380,
         margin={"l": 130, "r": 20, "t": 26, "b": 44},
         annotations=[words],

@@ -28,7 +28,7 @@ class LiveChannel:
     whole : (time_s, values)
         The outline of all so far.
     limit : float or None
-        Drawn as a dashed line; the recording stops beyond it.
+        Of the absolute value, drawn as dashed lines; the recording stops beyond it.
     beside : LiveChannel or None
         Another signal of the same quantity, in the same row: what a compensator makes of the resistance.
     """
@@ -42,7 +42,7 @@ class LiveChannel:
 
 
 def live(channels: Sequence[LiveChannel]) -> style.Figure:
-    """Rows of channels; a limit shows as a dashed line."""
+    """Rows of channels; a limit shows as dashed lines."""
     traces: list[dict[str, Any]] = []
     axes: dict[str, Any] = {}
     shapes: list[dict[str, Any]] = []
@@ -55,5 +55,5 @@ def live(channels: Sequence[LiveChannel]) -> style.Figure:
             x = style.axis(words if row == len(channels) - 1 else "", domain=across)
             axes |= style.panel(index, x, style.axis("" if side else channel.title, domain=domain))
             if channel.limit is not None and np.isfinite(channel.limit):
-                shapes.append(style.level(channel.limit, style.VERMILION, index, 1.3))
+                shapes += [style.level(sign * channel.limit, style.VERMILION, index, 1.3) for sign in (1, -1)]
     return style.figure(traces, height=150 * max(len(channels), 1) + 80, shapes=shapes, **axes)

@@ -127,7 +127,8 @@ class Paces:
 
 def kind_of(argv: Sequence[str]) -> str:
     """Jobs that take about the same steps: the same command, and for a training the same method."""
-    return " ".join([*argv[:2], *(option for option in ("--method", "--twin") if option in argv)])
+    method = argv.index("--method") if "--method" in argv else len(argv)
+    return " ".join([*argv[:2], *argv[method : method + 2]])
 
 
 def about_in_words(seconds: float) -> str:

@@ -6,6 +6,7 @@ import json
 import random
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -143,6 +144,17 @@ def test_what_is_there_and_intact_is_not_run_again(campaign, tmp_path):
     assert not matches(campaign, plan(tmp_path, seed=2))
     (campaign / "recording.csv").write_text("time_s\n")
     assert not matches(campaign, plan(tmp_path))
+
+
+def test_a_campaign_holds_no_other_and_takes_the_place_of_no_folder_that_somebody_is_in(
+    campaign, tmp_path, monkeypatch
+):
+    with pytest.raises(UserError, match="c is a campaign, which holds no others"):
+        simulate_campaign(plan(tmp_path), campaign / "inner", triangle())
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    with pytest.raises(UserError, match="the one that you are in; name one in it"):
+        simulate_campaign(plan(tmp_path), Path("."), triangle())
 
 
 def test_other_peoples_folders_are_never_overwritten(campaign, tmp_path):

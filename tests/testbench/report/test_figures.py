@@ -532,6 +532,11 @@ def test_of_a_slow_recording_the_first_look_is_at_more_than_a_few_samples() -> N
     assert end_s - start_s >= 1990
 
 
+def test_a_limit_is_drawn_on_both_sides_since_a_recording_stops_beyond_either() -> None:
+    limited = replace(FORCE_AND_COMPENSATED, limit=5.0)
+    assert {shape["y0"] for shape in live_figures.live([limited])["layout"]["shapes"]} == {5.0, -5.0}
+
+
 def test_a_result_is_drawn_on_axes_of_its_own_by_the_figure_of_the_report() -> None:
     experiment = experiment_figures.ranking([("fast-triangle", 4e5), ("long-hold", 30.0)])
     (axes,) = draw_on(experiment, None)
@@ -539,8 +544,11 @@ def test_a_result_is_drawn_on_axes_of_its_own_by_the_figure_of_the_report() -> N
     assert [name.get_text() for name in axes.get_yticklabels()] == ["fast triangle", "long hold"]
 
 
-def test_a_motion_that_tells_nothing_has_a_bar_nevertheless() -> None:
-    (axes,) = draw_on(experiment_figures.ranking([("fast-triangle", 0.03), ("long-hold", 0.0)]), None)
+def test_a_motion_that_tells_nothing_has_a_bar_nevertheless_which_tells_that_it_is_nothing() -> None:
+    ranking = experiment_figures.ranking([("fast-triangle", 0.03), ("long-hold", 0.0)])
+    assert ranking["data"][0]["customdata"].tolist() == [0.03, 0.0]
+    assert "customdata" in ranking["data"][0]["hovertemplate"]
+    (axes,) = draw_on(ranking, None)
     assert all(bar.get_width() > axes.get_xlim()[0] for bar in axes.patches)
 
 

@@ -135,16 +135,20 @@ class _Judging:
         self._tell()
 
     def _tell(self) -> None:
-        short = len(self.lasts_s) - len(self.field.options)
-        others = "1 campaign is" if short == 1 else f"{short} campaigns are"
-        said = [f"{others} shorter than the {self.least_s:.0f} s that this method may remember, and not offered."]
+        spans_s, said = self.lasts_s.values(), []
+        if short := sum(0 < span_s < self.least_s for span_s in spans_s):
+            others = "1 campaign is" if short == 1 else f"{short} campaigns are"
+            said.append(
+                f"{others} shorter than the {self.least_s:.0f} s that this method may remember, and not offered."
+            )
+        if empty := sum(not span_s for span_s in spans_s):
+            said.append(f"Of {empty} campaign{'s' * (empty > 1)} no two samples can be read.")
         none = (
             f"No other campaign of this gauge length has resistance and {self.target}{' for so long' * bool(short)}"
         )
-        alone = "Nothing is chosen to judge on" if self.field.options else none
-        said = said * bool(short) + [f"{alone}: the score will be that of the training itself."] * (
-            not self.field.value
-        )
+        if not self.field.value:
+            alone = "Nothing is chosen to judge on" if self.field.options else none
+            said.append(f"{alone}: the score will be that of the training itself.")
         self.said.set_text(" ".join(said))
 
 

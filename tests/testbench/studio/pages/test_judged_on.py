@@ -59,7 +59,10 @@ async def test_recordings_that_end_before_the_method_forgets_are_left_out(
 @pytest.mark.asyncio
 async def test_where_none_lasts_long_enough_the_score_is_that_of_the_training(user: User, studio: Studio) -> None:
     cut(studio, "brief", 20)
+    shutil.copytree(studio.workspace.root / "sleeve", studio.workspace.root / "damaged")
+    (studio.workspace.root / "damaged" / "recording.csv").write_bytes(b"\0" * 100)
     await user.open("/compensate?c=sleeve")
+    await user.should_see("Of 1 campaign no two samples can be read.")
     await user.should_see("1 campaign is shorter than the 31 s that this method may remember, and not offered.")
     await user.should_see("has resistance and force for so long: the score will be that of the training itself.")
 
