@@ -60,7 +60,8 @@ def simulate_campaign(
     with replaced(folder, overwrite) as draft:
         plan.copy_sources(draft)
         # Intake: a rig that delivers at once has no host time to hold its clock against.
-        status = _fill(draft, plan, motion, report, at_once(plan.rig(motion)), Intake(host_clock=False))
+        recorder = _recorder(draft, plan, motion, report, Intake(host_clock=False))
+        status = filled(draft, "simulated", plan.recipe(), recorder, at_once(plan.rig(motion)))
         if status.state in DISK_STATES:
             raise UserError(f"{folder}: nothing was kept, {status.message}; make room, or choose another place")
         _check_accepted(folder, status)
@@ -88,8 +89,8 @@ def simulate_live(
     plan.copy_sources(folder)
     begun = Campaign(plan.gauge_length_mm, "simulated", manifest.IN_PROGRESS, plan.recipe(), {}, software_versions())
     write_manifest(folder, begun, [CSV, EVENTS, *plan.source_names()])
-    intake = Intake(host_clock=pace is not in_memory)
-    status = _fill(folder, plan, motion, report, pace(plan.rig(motion).lines()), intake, stopped)
+    recorder = _recorder(folder, plan, motion, report, Intake(host_clock=pace is not in_memory))
+    status = filled(folder, "simulated", plan.recipe(), recorder, pace(plan.rig(motion).lines()), stopped)
     _check_accepted(folder, status)
     return replace(status, message=status.message or _coarse(plan, status))
 
@@ -122,17 +123,8 @@ def _check_accepted(folder: Path, status: Status) -> None:
     )
 
 
-def _fill(
-    folder: Path,
-    plan: Plan,
-    motion: Motion,
-    report: Report,
-    link: Iterable[Part],
-    intake: Intake,
-    stopped: Callable[[], bool] = lambda: False,
-) -> Status:
-    recorder = Recorder(intake, Sink(folder), plan.gauge_length_mm, duration_s=motion.duration_s, report=report)
-    return filled(folder, "simulated", plan.recipe(), recorder, link, stopped)
+def _recorder(folder: Path, plan: Plan, motion: Motion, report: Report, intake: Intake) -> Recorder:
+    return Recorder(intake, Sink(folder), plan.gauge_length_mm, duration_s=motion.duration_s, report=report)
 
 
 def filled(
@@ -141,7 +133,7 @@ def filled(
     recipe: dict[str, Any],
     recorder: Recorder,
     link: Iterable[Part],
-    stopped: Callable[[], bool],
+    stopped: Callable[[], bool] = lambda: False,
     first: Iterable[Item] = (),
 ) -> Status:
     """Let a recorder take what `link` delivers, close its files in `folder`, and write the manifest over them.

@@ -1,29 +1,14 @@
-"""Fewer points, the same picture: every spike that a screen could show is kept."""
+"""What is drawn of many samples: a stretch of them, the one that is worth a look, means in bins."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gcode.support.arrays import FloatArray
+from gcode.support.figures import rows_to_draw as rows_to_draw
 
 LEAST = 200  # samples that a look at a stretch needs
-POINTS = 2000  # nearly twice the pixels of a wide plot: each pixel column keeps its lowest and highest sample
-
-
-def rows_to_draw(values: FloatArray, points: int = POINTS) -> NDArray[np.intp]:
-    """Rows of the samples that keep the outline of `values`, shape (m,) with m <= about `points`.
-
-    The recording is cut into equal stretches and the lowest and highest sample of each is kept (min-max),
-    so no peak is lost however far one is zoomed out.
-    """
-    from tsdownsample import MinMaxDownsampler
-
-    points = max(4, points - points % 2)
-    if len(values) <= points:
-        return np.arange(len(values), dtype=np.intp)
-    rows = MinMaxDownsampler().downsample(np.ascontiguousarray(values), n_out=points)
-    return np.union1d(rows.astype(np.intp), [0, len(values) - 1])
+BINS = 24
 
 
 def liveliest(time_s: FloatArray, energy: FloatArray, length_s: float) -> tuple[float, float]:
@@ -39,3 +24,14 @@ def window(time_s: FloatArray, start_s: float | None, end_s: float | None) -> sl
     first = 0 if start_s is None else max(0, int(np.searchsorted(time_s, start_s)) - 1)
     last = len(time_s) if end_s is None else min(len(time_s), int(np.searchsorted(time_s, end_s)) + 1)
     return slice(first, max(last, first + 2))
+
+
+def binned(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Mean of `x` and `y`, and the standard error of that of `y`, in bins with about as many samples each."""
+    import pandas as pd
+
+    edges = np.unique(np.quantile(x, np.linspace(0, 1, BINS + 1)))
+    inner = edges[1:-1] if len(edges) > 2 else [edges.mean()]
+    bins = pd.DataFrame({"x": x, "y": y}).groupby(np.searchsorted(inner, x, side="right"))
+    mean, error = bins.mean(), bins["y"].sem(ddof=0)
+    return mean["x"].to_numpy(), mean["y"].to_numpy(), error.to_numpy()

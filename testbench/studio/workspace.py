@@ -88,7 +88,7 @@ class Workspace:
         Who asks while another thread reads them waits for that one.
         """
         with self._reading:
-            found = [self._described(folder, made) for folder, made in _manifests(self.root, MAX_DEPTH)]
+            found = [self._described(folder, made) for folder, made in holding(MANIFEST, self.root)]
         return sorted(found, key=lambda campaign: (-campaign.made_s, campaign.name))
 
     def _described(self, folder: str, made: os.stat_result) -> Campaign:
@@ -245,23 +245,23 @@ def _unfit(name: str) -> str:
     return ""
 
 
-def _stat_of(manifest: Path | os.DirEntry[str]) -> os.stat_result | None:
-    """What is known of a manifest, of the link itself where that leads nowhere; None where there is none."""
+def _stat_of(file: Path | os.DirEntry[str]) -> os.stat_result | None:
+    """What is known of a file, of the link itself where that leads nowhere; None where there is none."""
     for follow in (True, False):
         with contextlib.suppress(OSError, ValueError):
-            return manifest.stat(follow_symlinks=follow)
+            return file.stat(follow_symlinks=follow)
     return None
 
 
-def _manifests(root: Path, depth: int) -> Iterator[tuple[str, os.stat_result]]:
-    """Folders with a manifest, and what is known of it; hidden folders and results are not looked into."""
+def holding(name: str, root: Path, depth: int = MAX_DEPTH) -> Iterator[tuple[str, os.stat_result]]:
+    """Folders below `root` with a file of this name, and what is known of it; none is hidden, or a result."""
     pending = [(str(root), 0)]
     while pending:
         folder, level = pending.pop()
         with contextlib.suppress(OSError), os.scandir(folder) as entries:
             for entry in entries:
                 hidden = entry.name.startswith(".") or (level == 0 and entry.name == RESULTS)
-                if entry.name == MANIFEST and level:
+                if entry.name == name and level:
                     if made := _stat_of(entry):
                         yield folder, made
                 elif level < depth and not hidden and entry.is_dir(follow_symlinks=False):

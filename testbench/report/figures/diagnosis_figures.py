@@ -12,13 +12,12 @@ from testbench.comparing.words import percent_left, spoken
 from testbench.diagnosis.verdict import with_probability
 from testbench.recordings.recording import gaps_in
 from testbench.report import style
-from testbench.report.downsample import window
+from testbench.report.downsample import binned, window
 from testbench.report.figures.comparison_figures import RESIDUAL_TITLES, RESIDUALS
 from testbench.report.figures.recording_figures import line
 from testbench.report.words import PANEL_UNITS
 
 SHOWN = 8
-SCATTER_BINS = 24
 CANDIDATES_CAPTION = (
     "What a refit with each effect takes off the error that the model leaves without it, on samples that no fit has "
     "seen: the mean of the channels, with the 95 % interval over blocks of up to 60 s. In brackets: how probable it "
@@ -135,18 +134,11 @@ def slope(residual: Mapping[str, FloatArray], contribution: Mapping[str, FloatAr
     channels = list(residual)
     traces: list[dict[str, Any]] = []
     for column, channel in enumerate(channels):
-        x, y = _binned(contribution[channel], residual[channel])
+        # Both about their own mean: offsets belong to the mounting.
+        x, y, _ = binned(*(values - values.mean() for values in (contribution[channel], residual[channel])))
         ends = np.array([x.min(), x.max()])
         dashed = {"color": style.INK, "width": 1, "dash": "dash"}
         traces.append(style.dots(x, y, style.VERMILION, column, 7))
         traces.append(style.curve(ends, ends, style.INK, column, line=dashed, hoverinfo="skip"))
     titles = [(f"Predicted {channel} / {PANEL_UNITS[channel]}", RESIDUAL_TITLES[channel]) for channel in channels]
     return style.figure(traces, height=330, **style.side_by_side_axes(titles, gap=0.17))
-
-
-def _binned(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Means over bins of equal count, both about their own mean (offsets belong to the mounting)."""
-    order = np.array_split(np.argsort(x, kind="stable"), SCATTER_BINS)
-    x, y = x - x.mean(), y - y.mean()
-    filled = [rows for rows in order if len(rows)]
-    return np.array([x[rows].mean() for rows in filled]), np.array([y[rows].mean() for rows in filled])

@@ -15,8 +15,9 @@ from testbench.measurements.responses import UNIT_OF
 from testbench.proposing.laws.formulas import in_words, plain
 from testbench.proposing.laws_found import Proposed, Step, numbered
 from testbench.report import style
+from testbench.report.downsample import binned
 
-BINS, POINTS, DOTS = 24, 1500, 800
+POINTS, DOTS = 1500, 800
 ROW_PX, LEGEND_PX = 270, 24  # the legend stands above the first row's title, which may be long
 LEGEND = {"orientation": "h", "x": 1, "xanchor": "right", "y": 1.0, "yanchor": "bottom"}
 
@@ -71,17 +72,6 @@ def _dependence(step: Step, index: int) -> list[dict[str, Any]]:
         look |= {"error_y": {"array": 2 * error, "color": colour}, "showlegend": index == 0, "name": name}
         traces.append(style.dots(x, mean, colour, index, 5, **look))
     return traces
-
-
-def binned(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Mean of `x` and `y`, and the standard error of that of `y`, in bins with about as many samples each."""
-    import pandas as pd
-
-    edges = np.unique(np.quantile(x, np.linspace(0, 1, BINS + 1)))
-    inner = edges[1:-1] if len(edges) > 2 else [edges.mean()]
-    bins = pd.DataFrame({"x": x, "y": y}).groupby(np.searchsorted(inner, x, side="right"))
-    mean, error = bins.mean(), bins["y"].sem(ddof=0)
-    return mean["x"].to_numpy(), mean["y"].to_numpy(), error.to_numpy()
 
 
 def _residuals(model: KnitModel, held: Measurement) -> dict[str, FloatArray]:

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-from gcode.support.figures import broken, histogram_range
+from gcode.support.figures import POINTS, histogram_range, outline, rows_to_draw
 from testbench.comparing.numbers import span
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
 from testbench.recordings.recording import Recording
 from testbench.report import style
-from testbench.report.downsample import POINTS, rows_to_draw, window
+from testbench.report.downsample import window
 from testbench.report.words import duration_in_words
 
 Channel = tuple[str, FloatArray, str]  # axis title, values, colour
@@ -88,8 +88,7 @@ def line(
 
     It is broken at each of the `gaps`, (last time before, first time after).
     """
-    kept = rows_to_draw(values, points)
-    x, y = broken(time_s[kept], values[kept], gaps)
+    x, y = outline(time_s, values, points // 2, gaps)
     look = {"name": name, "yaxis": style.y_ref(row), "hovertemplate": "%{y:.4g} at %{x:.1f} s", **more}
     return style.curve(x, y, colour, width=width, **look)
 

@@ -144,18 +144,13 @@ def held(folder: Path) -> Iterator[None]:
         handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     except OSError as error:
         raise UserError(f"{folder}: cannot record here: {error.strerror}") from None
+    busy = f"{folder}: another recorder is at work in this folder; end it first, or choose another"
     try:
         with contextlib.suppress(OSError):
-            _lock(folder, handle)
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise UserError(busy) from None
         yield
     finally:
         os.close(handle)
-
-
-def _lock(folder: Path, handle: int) -> None:
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        raise UserError(
-            f"{folder}: another recorder is at work in this folder; end it first, or choose another"
-        ) from None

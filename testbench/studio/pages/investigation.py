@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +12,7 @@ from testbench.studio.parts.address import address
 from testbench.studio.parts.picture import plot
 from testbench.studio.parts.widgets import aside, guarded, heading, invitation, table
 from testbench.studio.studio import Studio
-from testbench.studio.workspace import MANIFEST, MAX_DEPTH, RESULTS
+from testbench.studio.workspace import MANIFEST, MAX_DEPTH, holding
 
 if TYPE_CHECKING:
     from testbench.investigating.state import Investigation
@@ -36,16 +35,10 @@ async def page(studio: Studio, i: str = "") -> None:
 
 
 def investigations(root: Path) -> list[str]:
-    """Folders below `root` that hold one, by name; hidden ones and results are not looked into."""
+    """Folders below `root` that hold one, by name; their runs are campaigns, which lie one folder deeper."""
     from testbench.investigating.state import NAME
 
-    found = []
-    for folder, below, files in os.walk(root):
-        depth = len(Path(folder).relative_to(root).parts)
-        below[:] = [n for n in below if depth < MAX_DEPTH - 1 and not n.startswith(".") and (depth or n != RESULTS)]
-        if depth and NAME in files:
-            found.append(Path(folder).relative_to(root).as_posix())
-    return sorted(found)
+    return sorted(Path(folder).relative_to(root).as_posix() for folder, _ in holding(NAME, root, MAX_DEPTH - 1))
 
 
 async def _shown(root: Path, name: str, names: list[str]) -> None:
