@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import math
+import re
 import select
 import sys
 from dataclasses import asdict
@@ -49,12 +50,13 @@ def terminal(label: str, stream: TextIO | None = None) -> Report:
     def report(status: Status) -> None:
         nonlocal said
         ended = status.state != "recording"
-        text, news = f"{label}: {as_text(status)}", bool(status.message) and status.message != said
+        words = re.sub(r"\d", "", status.message)  # the same with other numbers, as of seconds that pass, is no news
+        text, news = f"{label}: {as_text(status)}", bool(words) and words != said
         if live:
             _show(out, f"{redrawn('')}{text}\n" if ended or news else redrawn(text), ended)
         elif news:
             _show(out, f"{text}\n", ended)
-        said = status.message
+        said = words
 
     return report
 

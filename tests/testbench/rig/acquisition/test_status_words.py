@@ -28,3 +28,13 @@ def test_a_line_is_cut_to_the_terminal_but_a_message_and_the_end_are_whole(monke
     assert kept[1] == redrawn
     assert kept[2].endswith("strain 0.000")
     assert screen.getvalue().count("\n") == 2
+
+
+def test_a_silence_that_goes_on_is_told_once_and_not_each_second(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "200")
+    for screen in (Screen(), io.StringIO()):
+        report = terminal("rig", screen)
+        for second in range(3, 60):
+            report(Status(60.0, message=f"no bytes for {second} s"))
+        assert screen.getvalue().count("\n") == 1
+        assert ("no bytes for 59 s" in screen.getvalue()) == screen.isatty()
