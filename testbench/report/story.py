@@ -178,5 +178,5 @@ def glance_facts(steps: Sequence[Step]) -> list[tuple[str, str]]:
             fall = f"{100 * (error / steps[0].errors[channel] - 1):+z.0f} %"
             pairs.append((f"the {channel} against the first model", fall))
         elif floor > 0:
-            pairs.append((f"the noise floor of the {channel}", f"{error / floor:.1f} times"))
+            pairs.append((f"error of the {channel} over its noise floor", f"{error / floor:.1f} times"))
     return pairs

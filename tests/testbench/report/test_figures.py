@@ -560,4 +560,4 @@ def test_how_far_an_error_has_fallen_is_told_of_its_channel_and_nothing_is_not_l
     told = dict(glance_facts([first, last]))
     assert told["the force against the first model"] == "+0 %"
     assert told["the conductance against the first model"] == "-50 %"
-    assert dict(glance_facts([first]))["the noise floor of the force"] == "10.0 times"
+    assert dict(glance_facts([first]))["error of the force over its noise floor"] == "10.0 times"
