@@ -48,10 +48,6 @@ class BaseWorld:
         """Force [N] of the knit at strain `e`."""
         return self.elasticity(e) + self.hysteresis(e)
 
-    def ln_conductance(self, pressing_N: FloatArray, e: FloatArray) -> FloatArray:
-        """ln of the conductance [S] at contact force and strain."""
-        return self.contact(pressing_N, e)
-
     @property
     def contacts_feel_force(self) -> bool:
         """Whether conductance follows the contact force (else only strain)."""

@@ -159,8 +159,7 @@ class Bench:
         def strength_of(magnitude: float) -> float:
             return strengths.rms(self.left_over("calibration", [Hidden(form, shape, magnitude)]))
 
-        magnitude, _ = strengths.magnitude_for(target, form.most, strength_of)
-        return Hidden(form, shape, magnitude)
+        return Hidden(form, shape, strengths.magnitude_for(target, form.most, strength_of))
 
     def report(self, one: Hidden, requested: float) -> dict[str, Any]:
         """What is to be known of one hidden effect: its form, its magnitude and how strong it became, JSON-ready."""

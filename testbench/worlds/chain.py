@@ -129,7 +129,7 @@ def run(base: BaseWorld, scene: Scene, hidden: Sequence[Hidden] = ()) -> tuple[F
     _apply("mechanics", scene, hidden)
     scene.pressing = scene.force
     _apply("pressure", scene, hidden)
-    scene.ln_g = base.ln_conductance(scene.pressing, scene.e)
+    scene.ln_g = base.contact(scene.pressing, scene.e)
     _apply("electrical", scene, hidden)
     scene.ln_g = scene.ln_g + base.drift(scene.t)
     _apply("readout", scene, hidden)

@@ -54,8 +54,8 @@ def rms(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def magnitude_for(target: float, most: float, strength_of: Callable[[float], float]) -> tuple[float, float]:
-    """Magnitude whose strength is `target`, and the strength reached.
+def magnitude_for(target: float, most: float, strength_of: Callable[[float], float]) -> float:
+    """Magnitude whose strength is `target`.
 
     Starts small, grows geometrically until the target is passed or `most` is reached, then closes in by the
     secant in logarithms. If `most` is not enough, `most` (or the strongest seen below it) is returned.
@@ -73,13 +73,13 @@ def magnitude_for(target: float, most: float, strength_of: Callable[[float], flo
         reached_high = strength_of(high)
         best = max(best, (high, reached_high), key=lambda pair: pair[1])
     if reached_high < target:
-        return best
+        return best[0]
     return _close_in(target, (low, reached_low), (high, reached_high), strength_of)
 
 
 def _close_in(
     target: float, low: tuple[float, float], high: tuple[float, float], strength_of: Callable[[float], float]
-) -> tuple[float, float]:
+) -> float:
     best = min(low, high, key=lambda pair: abs(pair[1] - target))
     for k in range(12):
         if abs(best[1] / target - 1) < TOLERANCE:
@@ -92,4 +92,4 @@ def _close_in(
         found = (middle, strength_of(middle))
         low, high = (found, high) if found[1] < target else (low, found)
         best = min(best, found, key=lambda pair: abs(pair[1] - target))
-    return best
+    return best[0]

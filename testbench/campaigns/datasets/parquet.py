@@ -110,10 +110,10 @@ def _is_there(part: Part, channels: Sequence[str], known: Checksums) -> bool:
 
     if not part.file.is_file() or sha256_of(part.file) != known.sha256:
         return False
-    schema, of_campaign = parquet.read_schema(part.file), sha256_of(part.campaign / manifest.NAME)
-    told = schema.metadata or {}
-    as_told = told.get(FINGERPRINT) == of_campaign.encode() and told.get(SPECIMEN) == part.specimen.encode()
-    return as_told and known.manifest_sha256 == of_campaign and schema.names == [*FIRST_COLUMNS, *channels]
+    schema = parquet.read_schema(part.file)
+    of_specimen = (schema.metadata or {}).get(SPECIMEN) == part.specimen.encode()
+    of_campaign = known.manifest_sha256 == sha256_of(part.campaign / manifest.NAME)
+    return of_specimen and of_campaign and schema.names == [*FIRST_COLUMNS, *channels]
 
 
 def write_part(part: Part, channels: Sequence[str]) -> Checksums:

@@ -127,5 +127,5 @@ def test_conductance_rises_with_stretch_except_in_carbon_black(world):
         e = np.linspace(0, 0.3, 200)
         force = base.force(e)
         assert np.all(np.diff(force) > 0)
-        ln_g = base.ln_conductance(force, e)
+        ln_g = base.contact(force, e)
         assert (ln_g[-1] > ln_g[0]) == (world != "carbon_black")
