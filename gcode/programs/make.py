@@ -118,11 +118,13 @@ class Made:
             told.append(
                 f"{asked:.3g} mm/s are asked for where limits and rate_hz let the axis reach {reached:.3g} mm/s"
             )
-        if limits.j_max_mm_per_s3 is not None:
-            path = whole_path(spec, self.seed, self.gauge_length_mm, limits.v_max_mm_per_s, limits.a_max_mm_per_s2)
-            asked_mm, reached_mm = (float(np.ptp(one.position_mm)) for one in (path, self.trajectory))
-            if asked_mm - reached_mm > FAR_OFF_MM:
-                told.append(f"{asked_mm:.4g} mm are asked for, of which the jerk limit leaves {reached_mm:.4g} mm")
+        path = whole_path(spec, self.seed, self.gauge_length_mm, limits.v_max_mm_per_s, limits.a_max_mm_per_s2)
+        asked_mm, reached_mm = (float(np.ptp(one.position_mm)) for one in (path, self.trajectory))
+        if asked_mm - reached_mm > FAR_OFF_MM:
+            # A turn between two samples is not in the program.
+            smooth = limits.j_max_mm_per_s3 is not None
+            why = "the jerk limit leaves" if smooth else f"samples at {spec.rate_hz:g} Hz leave"
+            told.append(f"{asked_mm:.4g} mm are asked for, of which {why} {reached_mm:.4g} mm")
         return told
 
     def _off_the_plan(self) -> list[str]:

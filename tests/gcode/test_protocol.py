@@ -93,6 +93,14 @@ def test_what_a_jerk_limit_takes_from_a_stroke_is_noted():
     assert note == "5 mm are asked for, of which the jerk limit leaves 4.1 mm"
 
 
+def test_a_turn_that_lies_between_two_samples_is_noted():
+    """At 1 Hz a triangle to 1.25 mm went to 0.97 mm, and nobody was told."""
+    triangle = Triangle(high_percent=5, speed_mm_per_s=1)
+    assert gcode.generate(triangle, seed=0).notes() == []
+    (note,) = gcode.generate(TrajectorySpec.of(triangle, rate_hz=1), seed=0).notes()
+    assert note == "1.25 mm are asked for, of which samples at 1 Hz leave 0.9737 mm"
+
+
 def test_a_target_that_a_jerk_limit_takes_away_is_told_as_such():
     """It was laid at the door of the gauge length and the range alone."""
     (note, *_) = gcode.generate("paper-1", 3, duration_s=400, j_max_mm_per_s3=60).notes()
