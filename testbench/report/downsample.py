@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from gcode.support.arrays import FloatArray
-from gcode.support.figures import rows_to_draw as rows_to_draw
 
 LEAST = 200  # samples that a look at a stretch needs
 BINS = 24

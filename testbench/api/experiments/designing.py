@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from gcode.programs.make import Made
 from gcode.support.errors import UserError
-from gcode.support.figures import picture
+from gcode.support.figures import picture, rows_to_draw
 from gcode.support.html import card, frame_table
 from gcode.support.kinds import flag, whole
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
@@ -25,7 +25,6 @@ from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import FloatArray
 from testbench.measurements.splitting import split
 from testbench.recordings.channels import TEMPERATURE
-from testbench.report.downsample import rows_to_draw
 from testbench.report.figures.experiment_figures import of_file, ranking
 from testbench.report.writing.static import draw_on, write_figure
 

@@ -172,13 +172,18 @@ class Weighing(ModelComparison):
 
     @cached_property
     def candidate(self) -> Entry | None:
-        """The best law of the most probable mechanism, if it is more probable than nothing."""
+        """The best law of the most probable mechanism, if it is more probable than nothing.
+
+        Which law that is, is asked without a free-form map: it goes into the model without one, and what a map takes
+        over from a poorer law foretells nothing.
+        """
         if not self.entries:
             return None
         mechanism = max(dict.fromkeys(e.mechanism for e in self.entries), key=self._log_posterior)
         if self._log_posterior(mechanism) < np.log(self.prior[NOTHING]) + logsumexp(list(self._nothing().values())):
             return None
-        return max((e for e in self.entries if e.mechanism == mechanism), key=self.log_z_alone)
+        laws = (e for e in self.entries if e.mechanism == mechanism)
+        return max(laws, key=lambda e: e.hypothesis.log_z + self.log_odds_complete(e))
 
     def is_named(self, whole: Whole | None = None) -> bool:
         """Whether some mechanism is more probable than nothing and unknown together, and explains most."""

@@ -252,6 +252,7 @@ def test_a_real_strip_of_carbon_black_gets_a_law_as_good_as_one_by_hand():
     first, second = (read_recording(STRIP / f"cb7.5_s2_triangles_prestrain10_{x}.csv", 40.0) for x in "ab")
     proposed = propose_law(first, second)
     assert proposed.error_after["conductance"] < 0.0139  # by hand, of 0.081 with the base laws alone
-    step = proposed.steps[0]  # what rest makes and motion wipes out, over decades of time or with one time
-    assert "bell" in step.option.law.key or "wiped out by motion" in step.option.law.key
-    assert any("wiped out by motion" in one.law.key for one in (step.option, *step.alternatives))
+    # What rest makes and motion wipes out: a state, or a memory of what is sharp around no motion.
+    law = proposed.steps[0].option.law
+    at_rest = {"bell", "logarithm"} & {one.name for one in law.term.operators}
+    assert at_rest or "wiped out by motion" in law.key
