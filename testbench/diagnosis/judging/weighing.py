@@ -183,7 +183,7 @@ class Weighing(ModelComparison):
         if self._log_posterior(mechanism) < np.log(self.prior[NOTHING]) + logsumexp(list(self._nothing().values())):
             return None
         laws = (e for e in self.entries if e.mechanism == mechanism)
-        return max(laws, key=lambda e: e.hypothesis.log_z + self.log_odds_complete(e))
+        return max(laws, key=lambda e: self.added(e) + self.log_odds_complete(e))
 
     def is_named(self, whole: Whole | None = None) -> bool:
         """Whether some mechanism is more probable than nothing and unknown together, and explains most."""

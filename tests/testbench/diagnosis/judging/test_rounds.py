@@ -378,6 +378,13 @@ def test_what_went_in_is_told_as_the_next_step_left_it():
     assert rounds[0].verdict() == "missing"
 
 
+def test_of_the_laws_of_a_mechanism_the_one_goes_in_that_is_best_without_a_map_of_what_it_leaves():
+    poorer, better = entry("stress_relaxation", 1.4, 100.0), entry("stress_relaxation", 1.3, 108.0)
+    poorer, better = replace(poorer, law="one", log_z=115.0), replace(better, law="other", log_z=110.0)
+    found = a_round(entry("", BARE, 50.0), poorer, better)
+    assert found.candidate is found.goes_in is better
+
+
 def test_only_what_the_search_may_go_on_from_keeps_its_sensitivities():
     """They are most of the memory of a round; what is said of it needs none."""
 
