@@ -44,8 +44,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _added(args: argparse.Namespace) -> Ladder:
-    """The ladder with the effect on it; notes, laws that went and effects that no longer pay are told."""
-    from testbench.api.models.adding import add, no_longer_pays, replaced
+    """The ladder with the effect on it; notes, and effects that no longer pay, are told."""
+    from testbench.api.models.adding import add, no_longer_pays
 
     found = add(
         args.model,
@@ -56,8 +56,6 @@ def _added(args: argparse.Namespace) -> Ladder:
         gauge_length_mm=args.gauge_length_mm,
     )
     show_notes(found)
-    for name in replaced(args.model, found, args.effects):
-        print(f"{args.effect} takes the place of {name}: a model has one law of the kind")
     for name in no_longer_pays(found, args.effect):
         print(f"{name} no longer pays now that {args.effect} is in: without it the held-out error hardly rises")
     return found.ladder

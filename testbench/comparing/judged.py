@@ -46,7 +46,8 @@ class Judged:
     from_s : float, optional
         Where the last third begins, of a recording that was fitted on before it.
     doubt : str
-        Why the samples are judged otherwise than when the model was made; empty where they are not.
+        What is not known of the samples: whether the model was fitted on them, or why they are judged otherwise than
+        when it was made; empty where nothing is.
     """
 
     measurement: Measurement
@@ -110,7 +111,7 @@ def judged(
         measurement = last_of([before, recording], [rest_s])
     else:
         measurement = prepare(recording)
-        doubt = _taken_for_fresh(file, recording) if is_held_out else ""
+        doubt = _taken_for_fresh(file, recording) if is_held_out else _perhaps_fitted_on(file, recording)
     zero = kept_zero(file) if is_held_out else None
     if clamp_play_mm:
         zero = zero_of(file.model, replace(measurement, clamp_play_mm=clamp_play_mm))
@@ -126,6 +127,16 @@ def _taken_for_fresh(file: ModelFile, recording: Recording) -> str:
     return (
         f"{recording.source}: judged as of a fresh specimen; it is of that of {file.fitted_on}, not there to say "
         "what it had gone through: its errors are not those of the ladder"
+    )
+
+
+def _perhaps_fitted_on(file: ModelFile, recording: Recording) -> str:
+    """What to say of a recording of a model that was fitted on several, whose names it does not keep."""
+    if not file.of_several:
+        return ""
+    return (
+        f"{recording.source}: taken for new; the model was fitted on {file.fitted_on} in a row, and if this is one "
+        "of them, its errors are not those of a prediction"
     )
 
 

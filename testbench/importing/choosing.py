@@ -213,7 +213,8 @@ def _role(column: Column) -> tuple[str, int]:
         roles = {role: strength for role, strength in roles.items() if unit.quantity in ROLES[role]}
         if is_generic(column.heading.base):
             role = next((role for role, quantities in ROLES.items() if quantities == (unit.quantity,)), "")
-            return (role if unit.quantity != "ratio" else ""), SYMBOL
+            is_told = unit.quantity != "ratio" and column.unit_text != "g"  # which accelerations are in, too
+            return (role if is_told else ""), SYMBOL
     roles = {role: strength for role, strength in roles.items() if strength == max(roles.values())}
     if len(roles) != 1 or (column.heading.base in ("s", "T") and unit is None):
         return "", 0  # s: a displacement or seconds, T: a temperature or a time; the letter alone does not say

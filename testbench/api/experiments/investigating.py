@@ -149,7 +149,8 @@ def investigate(
         _check_own_effects(folder, catalogue)
         go_on(folder, budget_minutes, sure)
     elif (hidden is None) == (port is None):
-        raise UserError("investigate: give a SENSOR to simulate, or the port of a real rig")
+        got = "neither" if port is None else "both"
+        raise UserError(f"investigate: give a SENSOR to simulate, or the port of a real rig; got {got}")
     else:
         asked = {
             "bounds": _bounds_of_a_run(bounds, run_minutes),

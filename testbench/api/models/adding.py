@@ -10,11 +10,13 @@ from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, mod
 from testbench.api.models.fitting import FitResult
 from testbench.api.models.ladder import Ladder
 from testbench.api.progress import Tell, telling
-from testbench.comparing.ladder import idle_effects
+from testbench.comparing.ladder import NO_LONGER_PAYS, idle_effects
 from testbench.comparing.ladder import undo as taken_back
+from testbench.comparing.model_errors import over_the_floors
 from testbench.diagnosis.adding import add_effect
 from testbench.knit.catalogue import BASELINE
 from testbench.measurements.splitting import split
+from testbench.results.model_file import ModelFile
 
 
 def add(
@@ -73,7 +75,10 @@ def add(
     first, second, between = recordings_for(model, file, recording, held_out, gauge_length_mm)
     calibration, held = split(first, second, between=between)
     with telling(progress) as tell:
-        return FitResult(add_effect(file, effect, calibration, held, catalogue, tell), calibration, held)
+        larger = add_effect(file, effect, calibration, held, catalogue, tell)
+    gone = sorted(_laws(file) - _laws(larger))
+    told = [f"{effect} takes the place of {name}: a model has one law of the kind" for name in gone]
+    return FitResult(larger, calibration, held, (*told, *_worse_fitted(larger)))
 
 
 def undo(model: AnyModel, *, effects: Effects = None) -> Ladder:
@@ -123,22 +128,20 @@ def no_longer_pays(found: FitResult, added: str) -> list[str]:
     return idle_effects(found.file, found.calibration, found.held_out, optional)
 
 
-def replaced(model: AnyModel, found: FitResult, effects: Effects = None) -> list[str]:
-    """Laws of a model that `add` took out, for the one that was added stands in their place.
-
-    Parameters
-    ----------
-    model : KnitModel, result or path
-        As it was before.
-    found : FitResult
-        Of `add`.
-    effects : path, Catalogue or effect classes, optional
-    """
-    return sorted(_laws(model, effects) - _laws(found, effects))
+def _worse_fitted(file: ModelFile) -> list[str]:
+    """What to say where the last step of a ladder fits worse than the one before did, on the same recording."""
+    *_, before, now = (None, *file.history)
+    if before is None or (before.get("fitted_on"), before["noise_floor"]) != (now["fitted_on"], now["noise_floor"]):
+        return []
+    was, is_now = (over_the_floors(step["errors"]["calibration"], now["noise_floor"]) for step in (before, now))
+    if is_now <= was * (1 + NO_LONGER_PAYS):
+        return []
+    told = f"the model fits worse than before: its error was {was:.3g} noise floors, and is {is_now:.3g}"
+    return [f"{told}; undo takes the step back"]
 
 
-def _laws(model: AnyModel, effects: Effects) -> set[str]:
-    return {effect.name for effect in model_file_of(model, catalogue_of(effects)).model.effects.values()}
+def _laws(file: ModelFile) -> set[str]:
+    return {effect.name for effect in file.model.effects.values()}
 
 
 def laws_with(diagnosis: Mapping[str, Any], law: str, model: AnyModel, effects: Effects = None) -> list[str]:
@@ -153,6 +156,6 @@ def laws_with(diagnosis: Mapping[str, Any], law: str, model: AnyModel, effects: 
         What it has already is left out.
     effects : path, Catalogue or effect classes, optional
     """
-    has = _laws(model, effects)
+    has = _laws(model_file_of(model, catalogue_of(effects)))
     wanted = [*diagnosis.get("other_laws", ()), *diagnosis.get("base_misfits", ()), law]
     return [name for name in wanted if name not in has]

@@ -37,11 +37,14 @@ class FitResult(ModelResult):
         The model with its parameters' errors and its history, as ``model.json`` holds it.
     calibration, held_out : Measurement
         What it was fitted to, and what it is judged on.
+    told : tuple of str
+        What `add` has to say of its step.
     """
 
     file: ModelFile
     calibration: Measurement
     held_out: Measurement
+    told: tuple[str, ...] = ()
 
     @property
     def parameters(self) -> pd.DataFrame:
@@ -56,8 +59,8 @@ class FitResult(ModelResult):
 
     @property
     def notes(self) -> list[str]:
-        """What a reader should know: of the held-out strain, and of the zero of its displacement."""
-        told = [beyond_calibration(self.calibration, self.held_out)]
+        """What a reader should know: of the step, of the held-out strain, and of the zero of its displacement."""
+        told = [*self.told, beyond_calibration(self.calibration, self.held_out)]
         other = self.calibration.recording is not self.held_out.recording
         if other and not self.held_out.clamp_play_mm:
             told.append(may_be_clamped_anew(self.model, self.held_out))

@@ -88,7 +88,7 @@ _ABOUT = _words(
     "rate speed velocity setpoint set command cmd commanded target demand reference planned max maximum min minimum "
     "peak break rupture yield std sd noise error limit digits count counter number index cycle cycles "
     "zyklus zyklen energy work stress modulus stiffness density adc shunt series ntc ptc rtd thermistor "
-    "log ln lg inverse reciprocal per cumulative accumulated offset tare difference diff squared sqrt "
+    "rms log ln lg inverse reciprocal per cumulative accumulated offset tare difference diff squared sqrt "
     "err sigma uncertainty tolerance resolution residual gradient integral derivative "
     "vitesse velocita velocidad velocidade consigne contrainte maximale massimo massima maximo maxima snelheid "
     "predkosc maksymalna maksymalne zadana zadane naprezenie"

@@ -126,3 +126,9 @@ def test_an_investigation_makes_no_number_of_a_text_or_of_a_yes(name, odd, tmp_p
     with pytest.raises(tb.UserError, match=f"investigate: {name}: must be a number, got {odd!r}"):
         tb.investigate(tb.baseline(), tmp_path / "i", **{name: odd})
     assert not (tmp_path / "i").exists()
+
+
+def test_an_investigation_of_no_sensor_or_of_two_says_which(tmp_path):
+    for given, got in (({}, "neither"), ({"sensor": tb.baseline(), "port": "/dev/ttyUSB0"}, "both")):
+        with pytest.raises(tb.UserError, match=f"give a SENSOR to simulate, or the port of a real rig; got {got}"):
+            tb.investigate(folder=tmp_path / "new", **given)

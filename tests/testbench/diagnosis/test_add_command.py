@@ -18,6 +18,7 @@ from testbench.knit.mechanics.relaxation import StressRelaxation
 from testbench.knit.model import KnitModel
 from testbench.recordings.files import write_recording_csv
 from testbench.recordings.recording import Recording
+from testbench.results.model_file import ModelFile
 
 
 def test_adding_never_tries_to_leave_out_the_law_that_makes_the_conductance(tmp_path: Path, capsys) -> None:
@@ -36,9 +37,9 @@ def test_adding_never_tries_to_leave_out_the_law_that_makes_the_conductance(tmp_
     assert main(["add", "piezoresistance", "--model", model, "--fit", recording, "-o", model]) == 2
     assert "add piezoresistance: the model has this law already" in capsys.readouterr().err
     assert main(["add", "piezoresistance_tunnelling", "--model", model, "--fit", recording, "-o", f"{model}2"]) == 0
-    assert "piezoresistance_tunnelling takes the place of piezoresistance: a model has" in capsys.readouterr().out
+    assert "piezoresistance_tunnelling takes the place of piezoresistance: a model has" in capsys.readouterr().err
     assert main(["add", "channel_lag", "--model", model, "--fit", recording, "-o", model]) == 0
-    assert "takes the place" not in capsys.readouterr().out
+    assert "takes the place" not in capsys.readouterr().err
     assert [step["step"] for step in json.loads(Path(model).read_text())["history"]] == ["baseline", "+ channel_lag"]
 
 
@@ -53,3 +54,16 @@ def test_an_effect_that_was_just_added_is_not_asked_whether_it_still_pays(monkey
     model = KnitModel.of(*baseline().effects.values(), StressRelaxation(), StressRelaxation(), MullinsSoftening())
     found = cast(FitResult, SimpleNamespace(model=model, file=None, calibration=None, held_out=None))
     assert adding.no_longer_pays(found, "stress_relaxation") == ["mullins_softening"]
+
+
+def test_a_step_that_fits_worse_says_so() -> None:
+    """A law in place of another one may: piezoresistance in place of contact went from 0.7 noise floors to 40."""
+    floor = {"force": 0.01}
+    before, better, worse = (
+        {"fitted_on": "a.csv", "noise_floor": floor, "errors": {"calibration": {"force": error}}}
+        for error in (0.02, 0.01, 0.05)
+    )
+    said = "the model fits worse than before: its error was 2 noise floors, and is 5; undo takes the step back"
+    assert adding._worse_fitted(ModelFile(baseline(), 25.0, history=(before, worse))) == [said]
+    others = [(before, better), (before, before), (worse,), ({**before, "fitted_on": "b.csv"}, worse)]
+    assert not any(adding._worse_fitted(ModelFile(baseline(), 25.0, history=steps)) for steps in others)

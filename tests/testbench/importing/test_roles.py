@@ -49,7 +49,18 @@ def test_the_measured_resistance_is_taken_before_what_is_made_of_it(tmp_path, na
 DERIVED = ["Log resistance (Ohm)", "Log10 R [Ohm]", "ln(R) [Ohm]", "1/Resistance (1/Ohm)", "NTC resistance (Ohm)"]
 DERIVED += ["Force per wale [N]", "Force offset [N]", "Inverse resistance [Ohm]"]
 DERIVED += ["Force^2 [N]", "Force² [N]", "Delta force (N)", "Kraftänderung [N]", "F_err (N)"]
-DERIVED += ["Resistance tolerance (Ohm)"]
+DERIVED += ["Resistance tolerance (Ohm)", "RMS force (N)"]
+
+
+def test_a_column_of_g_may_be_of_an_acceleration(tmp_path):
+    """A name that says nothing does not make a force of it; a person may."""
+    path = table(tmp_path, "AI0 [g]", "R (Ohm)")
+    found = import_csv(path, Wish(40.0))
+    assert not found.recording.has("force_N")
+    assert "not used: column 3 'AI0 [g]'" in "\n".join(found.notes)
+    said = import_csv(path, Wish(40.0, columns={"force": "3"})).recording
+    assert said["force_N"][0] == pytest.approx(0.980665)
+    assert import_csv(table(tmp_path, "AI0 [kg]"), Wish(40.0)).recording.has("force_N")
 
 
 @pytest.mark.parametrize("name", DERIVED)
