@@ -65,21 +65,20 @@ def bouc_wen(x: FloatArray, reach: float, asymmetry: float, power: float) -> Flo
 
 @njit("float64[:](float64[:], float64[:], float64, float64)", cache=True, nogil=True)
 def oscillator(t: FloatArray, x: FloatArray, frequency_hz: float, damping: float) -> FloatArray:
-    """Damped oscillator of unit static gain, exact for `x` held at the mean of each two samples between them."""
+    """Damped oscillator of unit static gain, exact for `x` held at the mean of each two samples between them.
+
+    It swings about what is held as the real part of a number that turns and shrinks in the complex plane.
+    """
     y = np.empty_like(x)
-    w = 2 * np.pi * frequency_hz
-    wd = w * np.sqrt(1 - damping * damping)
-    position, velocity = x[0], 0.0
-    y[0] = position
+    own = np.sqrt(1 - damping * damping)
+    pole = 2 * np.pi * frequency_hz * complex(-damping, own)
+    kick = complex(1.0, -damping / own)  # for a swing that begins at rest
+    held, swing = x[0], complex(0.0, 0.0)
+    y[0] = held
     for i in range(1, len(x)):
-        h = t[i] - t[i - 1]
-        decay = np.exp(-damping * w * h)
-        c, s = np.cos(wd * h), np.sin(wd * h)
-        held = 0.5 * (x[i] + x[i - 1])
-        u = position - held
-        position = held + decay * (u * (c + damping * w / wd * s) + velocity / wd * s)
-        velocity = decay * (velocity * (c - damping * w / wd * s) - u * w * w / wd * s)
-        y[i] = position
+        before, held = held, 0.5 * (x[i] + x[i - 1])
+        swing = (swing + (before - held) * kick) * np.exp(pole * (t[i] - t[i - 1]))
+        y[i] = held + swing.real
     return y
 
 
