@@ -50,8 +50,7 @@ LAWS = {
     ),
     "mechanics.rate_stiffening": (
         "viscous_rate_stiffening viscous_rate_stiffening_maxwell viscous_rate_stiffening_eyring "
-        "viscous_rate_stiffening_log viscous_rate_stiffening_magnitude "
-        "viscous_rate_stiffening_curve"
+        "viscous_rate_stiffening_log viscous_rate_stiffening_magnitude viscous_rate_stiffening_curve"
     ),
     "mechanics.damage": (
         "mullins_softening mullins_softening_damage mullins_softening_power mullins_softening_healing "

@@ -123,7 +123,6 @@ class ViscousRateStiffeningEyring(PressedDashpot):
     """
 
     name = "viscous_rate_stiffening_eyring"
-    mechanism = "viscous_rate_stiffening"
     strength = "force_per_efold_N"
     look = "every tenfold speed adds the same force"
 
