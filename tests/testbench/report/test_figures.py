@@ -14,11 +14,12 @@ import pytest
 
 import tests.testbench.report.samples as samples
 from compensation.paper.published import COMPENSATED
+from gcode.support.figures import rows_to_draw
 from testbench.diagnosis.verdict import with_probability
 from testbench.measurements.preparing import prepare
 from testbench.recordings.recording import Recording
 from testbench.report import overlays, sections, style, words
-from testbench.report.downsample import rows_to_draw, window
+from testbench.report.downsample import window
 from testbench.report.figures import (
     comparison_figures,
     compensator_figures,
