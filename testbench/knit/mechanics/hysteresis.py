@@ -20,6 +20,12 @@ def mean_slip(x: FloatArray, threshold: float) -> FloatArray:
     return mean_stop(x, threshold * SPREAD)
 
 
+def pressed_on(force_N: FloatArray, pressed: float, tension_N: float) -> FloatArray:
+    """What a force is over that at `tension_N` if the tension presses on a share of it, shape (n,)."""
+    load = np.maximum(force_N, 0.0) / tension_N
+    return 1 - pressed + pressed * load
+
+
 class FrictionLaw(ForceLaw):
     """Base of the laws of friction between the yarns."""
 
@@ -72,8 +78,8 @@ class PressedFriction(FrictionLaw):
         raise NotImplementedError
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
-        load = np.maximum(signals["force_N"], 0.0) / self.tension_N
-        return self.friction_N * (1 - self.pressed + self.pressed * load) * self.deflection(signals["strain"])
+        acts = pressed_on(signals["force_N"], self.pressed, self.tension_N)
+        return self.friction_N * acts * self.deflection(signals["strain"])
 
 
 class HysteresisOnTension(PressedFriction):

@@ -9,6 +9,7 @@ import numpy as np
 from testbench.knit.additive import ForceFactor, ForceLaw
 from testbench.knit.effect import FloatArray, Points, Signals, Vector, parameter, step_s, zeros
 from testbench.knit.filters import highpass, rate
+from testbench.knit.mechanics.hysteresis import pressed_on
 from testbench.knit.shapes.curves import LAW_TERMS, curve
 
 REFERENCE_RATE_PER_S = 0.1
@@ -30,8 +31,8 @@ class PressedDashpot(ForceLaw):
         raise NotImplementedError
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
-        load = np.maximum(signals["force_N"], 0.0) / self.tension_N
-        return (1 - self.pressed + self.pressed * load) * self.at_rates(rate(signals["strain"], dt_s))
+        acts = pressed_on(signals["force_N"], self.pressed, self.tension_N)
+        return acts * self.at_rates(rate(signals["strain"], dt_s))
 
     def pressed_or_not(self, **values: tuple[float, ...]) -> Points:
         """All combinations of starting values, none of it pressed on and all of it."""
