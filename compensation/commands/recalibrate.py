@@ -59,7 +59,7 @@ def _reference(args: argparse.Namespace, compensator: TrainedCompensator) -> Ser
     from compensation.series.preprocessing import TARGETS, reference_of, sampled
     from compensation.series.reading import check_tared, read_signals
     from compensation.training.recalibration import end_of_first, reach, recording_at_rest
-    from testbench.recordings.doubts import say_gaps, say_slow
+    from testbench.recordings.doubts import say_gaps
 
     target, rate_hz = compensator.target, compensator.resampling_hz
     if args.rest:
@@ -67,7 +67,6 @@ def _reference(args: argparse.Namespace, compensator: TrainedCompensator) -> Ser
         say_gaps(recording)
         return sampled(recording, TARGETS[target][0], rate_hz)
     recording = read_signals(args.recording, args.gauge_length_mm)
-    say_slow(recording)
     end_s = end_of_first(args.seconds, recording.time_s)
     recording = recording.between(float(recording.time_s[0]), float(np.nextafter(end_s, np.inf)))
     check_tared(recording, target, reach(compensator))

@@ -69,8 +69,6 @@ def series_of(recording: Recording, target: str, rate_hz: float | None) -> Serie
         raise UserError(
             f"{recording.source}: {duration_s:.1f} s long; a compensator needs at least {SHORTEST_RECORDING_S:.0f} s"
         )
-    if rate_hz is not None and (said := slow(recording)):
-        raise UserError(f"{recording.source}: {said} At {rate_hz:g} Hz nearly all of it would be straight lines")
     series = sampled(recording, channel, rate_hz)
     for name, values in ((RESISTANCE, series.conductance_S), (channel, series.truth)):
         if stands_still(values):
@@ -101,7 +99,15 @@ def _present(recording: Recording, target: str) -> str:
 
 
 def sampled(recording: Recording, channel: str, rate_hz: float | None) -> Series:
-    """Conductance and one channel of a recording on a grid (None: as sampled), without points in a gap."""
+    """Conductance and one channel of a recording on a grid (None: as sampled), without points in a gap.
+
+    Raises
+    ------
+    UserError
+        If the recording is too slow to be put on a grid.
+    """
+    if rate_hz is not None and (said := slow(recording)):
+        raise UserError(f"{recording.source}: {said} At {rate_hz:g} Hz nearly all of it would be straight lines")
     gaps, passages = recording.gaps, passages_of(recording[RESISTANCE])
     if rate_hz is not None:
         # Resistance is what was measured: interpolate it, then invert, as the paper does.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -99,15 +99,15 @@ def check_same_gauge_length(one: Recording, other: Recording) -> None:
         )
 
 
-def same(one: Recording, other: Recording, channels: Collection[str] = ()) -> bool:
-    """Whether two recordings hold the same samples, under whatever names: of `channels`, or of all that they have."""
-    if not channels and one.channels.keys() != other.channels.keys():
+def same(one: Recording, other: Recording) -> bool:
+    """Whether two recordings hold the same samples, under whatever names."""
+    if one.channels.keys() != other.channels.keys():
         return False
-    pairs = [(one.time_s, other.time_s), *((one[name], other[name]) for name in channels or one.channels)]
+    pairs = [(one.time_s, other.time_s), *((one[name], other[name]) for name in one.channels)]
     return all(np.array_equal(mine, theirs) for mine, theirs in pairs)
 
 
-def check_distinct(recordings: Sequence[Recording], why: str, channels: Collection[str] = ()) -> None:
+def check_distinct(recordings: Sequence[Recording], why: str) -> None:
     """Refuse a recording that is given twice.
 
     Parameters
@@ -115,8 +115,6 @@ def check_distinct(recordings: Sequence[Recording], why: str, channels: Collecti
     recordings : sequence of Recording
     why : str
         What would be wrong with it, and what to do: the end of the sentence.
-    channels : collection of str, optional
-        What two recordings must share, beside the times, to be one; all channels when not given.
 
     Raises
     ------
@@ -125,7 +123,7 @@ def check_distinct(recordings: Sequence[Recording], why: str, channels: Collecti
     """
     for count, one in enumerate(recordings):
         for before in recordings[:count]:
-            if same(one, before, channels):
+            if same(one, before):
                 raise UserError(f"{one.source}: holds the same samples as {before.source}; {why}")
 
 

@@ -258,6 +258,16 @@ def test_a_spike_of_the_cell_is_no_reference(compensator, recordings, tmp_path, 
     assert "as far as the training went; check that the force is in N" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("more", [[], ["--rest"]])
+def test_a_clock_in_ms_is_refused(compensator, recordings, tmp_path, capsys, more):
+    compensator_files.save(tmp_path / "c.json", compensator)
+    write_recording_csv(tmp_path / "ms.csv", replace(recordings[1], time_s=1e3 * recordings[1].time_s))
+    out = tmp_path / "new.json"
+    assert main(["recalibrate", str(tmp_path / "c.json"), str(tmp_path / "ms.csv"), "-o", str(out), *more]) == 2
+    assert "is its time in s? At 20 Hz nearly all of it would be straight lines" in capsys.readouterr().err
+    assert not out.exists()
+
+
 def test_too_little_reference_is_said(compensator, test_part):
     with pytest.raises(UserError, match=r"4.0 s of reference; a recalibration needs at least 5 s"):
         recalibrated(compensator, first(test_part, 4))

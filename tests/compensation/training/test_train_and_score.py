@@ -194,9 +194,11 @@ def test_a_recording_and_a_part_of_it_are_refused(recordings, tmp_path, capsys):
 def test_one_recording_is_not_scored_or_searched_twice(compensator, recordings, tmp_path, capsys):
     compensator_files.save(tmp_path / "c.json", compensator)
     write_recording_csv(tmp_path / "a.csv", recordings[1])
+    write_recording_csv(tmp_path / "part.csv", recordings[1].between(60.0, 120.0))
     csv, gauge = str(tmp_path / "a.csv"), ["--gauge-length-mm", "25"]
-    assert main(["score", str(tmp_path / "c.json"), csv, csv, *gauge]) == 2
-    assert "holds the same samples as" in capsys.readouterr().err
+    for again in (csv, str(tmp_path / "part.csv")):
+        assert main(["score", str(tmp_path / "c.json"), csv, again, *gauge]) == 2
+        assert "holds the same samples as" in capsys.readouterr().err
     out = ["--target", "force", "--sample", "1", "--seeds", "1", "-o", str(tmp_path / "s.jsonl")]
     assert main(["search", csv, csv, csv, *gauge, *out]) == 2
     assert "holds the same samples as" in capsys.readouterr().err

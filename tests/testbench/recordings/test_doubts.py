@@ -10,7 +10,6 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench.recordings import doubts
-from testbench.recordings.channels import DISPLACEMENT
 from testbench.recordings.recording import Recording
 
 
@@ -119,15 +118,6 @@ def test_a_recording_given_twice_is_refused_by_its_samples_whatever_its_name():
         doubts.check_distinct([one, replace(one, source="a copy")], "give each once")
     with pytest.raises(UserError, match="holds the same samples"):
         doubts.check_distinct([one, one], "give each once")
-
-
-def test_two_recordings_are_one_where_they_share_the_channels_that_matter():
-    one = with_gap(0.0)
-    other = replace(one, channels={name: values + (name == DISPLACEMENT) for name, values in one.channels.items()})
-    doubts.check_distinct([one, other], "give each once")
-    kept = [name for name in one.channels if name != DISPLACEMENT]
-    with pytest.raises(UserError, match="holds the same samples"):
-        doubts.check_distinct([one, other], "give each once", kept)
 
 
 def test_a_recording_with_much_missing_is_said(said):
