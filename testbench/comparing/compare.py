@@ -18,7 +18,7 @@ from testbench.comparing.words import NOISE_REACHED, no_place_in_words, place_in
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
-from testbench.measurements.responses import CONDUCTANCE_CHANNEL, UNIT_OF
+from testbench.measurements.responses import UNIT_OF
 
 BINS = 10
 CELL_BLOCK_S = 20.0  # samples closer than this are not taken as independent
@@ -145,7 +145,7 @@ def compare(model: KnitModel, measurement: Measurement, free_offset: bool = Fals
         quick[channel] = float(max(errors[channel] ** 2 - np.mean(counting**2), 0.0)) ** 0.5
         maps[channel] = residual_maps(counting, where)
         if over_noise(errors[channel], floors[channel]) > NOISE_REACHED:
-            places += _places(channel, maps[channel], counting, _size_of(measurement, channel))
+            places += _places(channel, maps[channel], counting)
     worst = distinct(sorted(places, key=lambda place: -place.share_of_error))
     return Comparison(errors, floors, quick, maps, tuple(worst))
 
@@ -202,21 +202,14 @@ def _standard_error(values: FloatArray, block: np.ndarray) -> float:
     return float(max(jackknife, np.std(values) / np.sqrt(len(sums))))
 
 
-def _size_of(measurement: Measurement, channel: str) -> float:
-    """Typical size for percentages: the force's range; ln G needs none (its differences are relative)."""
-    if channel == CONDUCTANCE_CHANNEL:
-        return 1.0
-    return float(np.ptp(measurement.measured[channel][measurement.counts]))
-
-
-def _places(channel: str, maps: Mapping[str, tuple[Cell, ...]], residual: FloatArray, size: float) -> list[Place]:
+def _places(channel: str, maps: Mapping[str, tuple[Cell, ...]], residual: FloatArray) -> list[Place]:
     total = float(np.mean(residual**2)) or 1.0
     found = []
     for coordinate, cells in maps.items():
         for cell in cells:
             share = cell.share * cell.mean**2 / total
             if cell.share >= MIN_SHARE and abs(cell.t) >= MIN_T and share >= LEAST_SHARE:
-                words = place_in_words(channel_name(channel), coordinate, cell, size)
+                words = place_in_words(channel_name(channel), coordinate, cell)
                 found.append(Place(channel, coordinate, cell, share, words))
     return found
 

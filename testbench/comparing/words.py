@@ -23,13 +23,13 @@ def spoken(name: str) -> str:
     return str(name).replace("_", " ")
 
 
-def place_in_words(channel: str, coordinate: str, cell: Cell, size: float) -> str:
+def place_in_words(channel: str, coordinate: str, cell: Cell) -> str:
     """One sentence: what the model does wrong, by how much, and where."""
     # The mean is measured minus modelled; of ln G, that is ln(measured / modelled).
     way = "too high" if cell.mean < 0 else "too low"
-    amount = abs(math.expm1(-cell.mean)) if channel == "conductance" else abs(cell.mean) / size
-    of = " of its range" if channel == "force" else ""
-    return f"modelled {channel} is {100 * amount:.1f} %{of} {way} {where_in_words(coordinate, cell)}"
+    relative = 100 * abs(math.expm1(-cell.mean))
+    amount = f"{relative:.1f} %" if channel == "conductance" else f"{plain(abs(cell.mean), 2)} N"
+    return f"modelled {channel} is {amount} {way} {where_in_words(coordinate, cell)}"
 
 
 def no_place_in_words(over_noise: Mapping[str, float], quick: Mapping[str, float]) -> str:

@@ -9,6 +9,7 @@ from tempfile import TemporaryDirectory
 
 from gcode.programs.api import generate
 from gcode.programs.make import Made
+from gcode.support.kinds import number
 from testbench.api.arguments import AnyModel, Effects
 from testbench.api.bench.running import planned
 from testbench.campaigns.campaign import simulate_campaign
@@ -80,11 +81,16 @@ def example(*effects: Effect, seed: int = 1, duration_s: float = EXAMPLE_S) -> R
     seed : int
         Of motion, noise and sampling times: another seed is another recording of the same sensor.
     duration_s : float
-        Of the motion; the way back to zero comes after it.
+        Of the motion, 1 or more; the way back to zero comes after it.
 
     Returns
     -------
     Recording
+
+    Raises
+    ------
+    UserError
+        If the seed or the duration is none that a motion can have.
 
     Examples
     --------
@@ -95,7 +101,7 @@ def example(*effects: Effect, seed: int = 1, duration_s: float = EXAMPLE_S) -> R
     model = baseline()
     for effect in effects:
         model = model + effect
-    program = generate("paper-1", seed=seed, duration_s=duration_s)
+    program = generate("paper-1", seed=seed, duration_s=number("duration_s", duration_s, 1.0))
     return _named(simulate(model, program, seed=seed), f"example-{seed}")
 
 

@@ -72,6 +72,7 @@ SLIPS = {
         lambda: tb.example(duration_s=20)[0:5],
         "no channel slice(0, 5, None); it has displacement_mm",
     ),
+    "an example of no length": (lambda: tb.example(duration_s=0), "duration_s must be a number of 1 or more, got 0"),
     "no rate": (lambda: tb.example(duration_s=20).resampled(0), "must be a number of Hz above 0, got 0"),
     "a rate as text": (lambda: tb.example(duration_s=20).resampled("20"), "a number of Hz above 0, got '20'"),
     "every half sample": (lambda: tb.example(duration_s=20).thinned(0.5), "a whole number, 1 or more, got 0.5"),

@@ -33,15 +33,15 @@ def cell(low: float, high: float, direction: int = 0, mean: float = -0.1) -> Cel
     ],
 )
 def test_places_are_told_in_one_unit_a_quantity(coordinate: str, there: Cell, words: str) -> None:
-    told = place_in_words("force", coordinate, there, size=1.25)
-    assert told == f"modelled force is 8.0 % of its range too high {words}"
+    told = place_in_words("force", coordinate, there)
+    assert told == f"modelled force is 0.10 N too high {words}"
 
 
 @pytest.mark.parametrize(
     ("measured_over_modelled", "words"), [(1.25, "20.0 % too low"), (0.8, "25.0 % too high"), (4.0, "75.0 % too low")]
 )
 def test_a_modelled_conductance_is_off_by_a_share_of_the_measured(measured_over_modelled: float, words: str) -> None:
-    told = place_in_words("conductance", "cycle", cell(0, 1, mean=math.log(measured_over_modelled)), size=1.0)
+    told = place_in_words("conductance", "cycle", cell(0, 1, mean=math.log(measured_over_modelled)))
     assert told.startswith(f"modelled conductance is {words}")
 
 

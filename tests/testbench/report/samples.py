@@ -53,7 +53,7 @@ def comparison(worst: tuple[Place, ...] | None = None) -> Comparison:
     cells = [Cell(0.01 * i, 0.01 * (i + 1), d, 0.01 * d * i, 0.002, 0.1) for i in range(5) for d in (1, -1)]
     elapsed = [replace(cell, direction=0, low=1e4 * cell.low, high=1e4 * cell.high) for cell in cells[::2]]
     maps = {"strain": tuple(cells), "elapsed_s": tuple(elapsed)}
-    words = "modelled force is 8.0 % of its range too high between 4.0 % and 5.0 % strain"
+    words = "modelled force is 0.12 N too high between 4.0 % and 5.0 % strain"
     usual = (Place("force", "strain", cells[0], 0.4, words),)
     both = ("force", "conductance")
     same = [dict.fromkeys(both, value) for value in (0.12, 0.01, 0.0)]
