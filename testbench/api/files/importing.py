@@ -17,6 +17,7 @@ from testbench.importing import from_file
 from testbench.importing.choice import FLAGS, UNIT_FLAGS
 from testbench.importing.imported import Imported, place_of, write_import
 from testbench.importing.sheet import Hints
+from testbench.importing.vocabulary.roles import ROLES
 from testbench.importing.wish import Wish
 from testbench.recordings.files import write_recording_csv
 from testbench.recordings.recording import Recording
@@ -26,7 +27,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 # A message of the import names options of the command line: in Python each is a field of `testbench.Wish`.
-OPTION = re.compile(r"(?<![\w./\\-])--[a-z][a-z0-9-]*")  # a word of its own: a file may be called day--force.csv
+# A word of its own: a file may be called day--force.csv. Some are said of a role: `--negate displacement`.
+OPTION = re.compile(rf"(?<![\w./\\-])(--[a-z][a-z0-9-]*)(?: ({'|'.join(ROLES)})\b)?")
 FIELDS = {
     "--gauge-length-mm": "gauge_length_mm=...",
     "--rate-hz": "rate_hz=...",
@@ -34,12 +36,12 @@ FIELDS = {
     "--repeat": "repeat=...",
     "--drop-bad": "drop_bad=True",
     "--sort": "sort=True",
-    "--time-of": "time_of={'force': ...}",
-    "--zero": "zero={'force': ...}",
-    "--negate": "negate={'force'}",
+    "--time-of": "time_of={{{role!r}: ...}}",
+    "--zero": "zero={{{role!r}: ...}}",
+    "--negate": "negate={{{role!r}}}",
     **{f"--{one.name.replace('_', '-')}": f"hints=Hints({one.name}=...)" for one in fields(Hints)},
-    **{flag: f"columns={{{role!r}: ...}}" for role, flag in FLAGS.items()},
-    **{flag: f"units={{{flag.removeprefix('--').removesuffix('-unit')!r}: ...}}" for flag in UNIT_FLAGS.values()},
+    **{flag: f"columns={{{{{role!r}: ...}}}}" for role, flag in FLAGS.items()},
+    **{flag: f"units={{{{{flag.removeprefix('--').removesuffix('-unit')!r}: ...}}}}" for flag in UNIT_FLAGS.values()},
 }
 
 
@@ -210,5 +212,6 @@ def in_python(text: str) -> str:
 
     ``say --force-unit (N, kN)`` goes on ``(in Python, of testbench.Wish: --force-unit is units={'force': ...})``.
     """
-    named = [f"{flag} is {FIELDS[flag]}" for flag in dict.fromkeys(OPTION.findall(text)) if flag in FIELDS]
+    options = dict.fromkeys(OPTION.findall(text))
+    named = [f"{flag} is {FIELDS[flag].format(role=role or 'force')}" for flag, role in options if flag in FIELDS]
     return f"{text} (in Python, of testbench.Wish: {', '.join(named)})" if named else text

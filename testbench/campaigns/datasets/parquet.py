@@ -27,7 +27,7 @@ from testbench.recordings.files import read_recording
 if TYPE_CHECKING:
     import pyarrow as pa
 
-FINGERPRINT, SPECIMEN = b"knitbench_manifest_sha256", b"specimen"
+SPECIMEN = b"specimen"
 FIRST_COLUMNS = "campaign", "specimen", TIME
 
 
@@ -121,13 +121,13 @@ def write_part(part: Part, channels: Sequence[str]) -> Checksums:
     from pyarrow import parquet
 
     of_campaign = sha256_of(part.campaign / manifest.NAME)
-    table = table_of(part, channels, of_campaign)
+    table = table_of(part, channels)
     with atomic_path(part.file) as temporary:
         parquet.write_table(table, temporary, compression="zstd")
     return Checksums(sha256=sha256_of(part.file), manifest_sha256=of_campaign)
 
 
-def table_of(part: Part, channels: Sequence[str], digest: str) -> pa.Table:
+def table_of(part: Part, channels: Sequence[str]) -> pa.Table:
     """``campaign``, ``specimen``, the time and the `channels` as float64, null where it lacks one; a row a sample.
 
     All files of a data set have the same columns: a reader takes those of the first.
@@ -141,7 +141,7 @@ def table_of(part: Part, channels: Sequence[str], digest: str) -> pa.Table:
     }
     nothing = pa.nulls(count, pa.float64())
     table = pa.table({**said, TIME: recording.time_s, **{c: recording.channels.get(c, nothing) for c in channels}})
-    told = {FINGERPRINT: digest, SPECIMEN: part.specimen, b"gauge_length_mm": repr(float(recording.gauge_length_mm))}
+    told = {SPECIMEN: part.specimen, b"gauge_length_mm": repr(float(recording.gauge_length_mm))}
     return table.replace_schema_metadata(told)
 
 

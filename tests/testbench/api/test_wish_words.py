@@ -45,6 +45,7 @@ def test_doubts_are_told_in_python_too(tmp_path):
         ("--relative-resistance 3", "--relative-resistance is columns={'relative': ...}"),
         ("--decimal ,", "--decimal is hints=Hints(decimal=...)"),
         ("--time-of force=3", "--time-of is time_of={'force': ...}"),
+        ("--negate displacement", "--negate is negate={'displacement'}"),
         ("--drop-bad", "--drop-bad is drop_bad=True"),
         ("--rest-ohm R0", "--rest-ohm is r0_ohm=..."),
     ],
