@@ -48,7 +48,9 @@ _SHORT_CLOCK = re.compile(r"^(\d{1,3}:\d{2})$")
 _BEFORE_HALF = re.compile(r"(?i)^(\d{1,2}:\d{2})(?= ?[ap]\.?m)")
 WHOLE_CLOCKS = {"h": r"\1:00", "min": r"0:\1"}  # of the unit before the colon
 # 01/03/2026, 01-03-26: the day or the month may come first, and of 26-03-01 even the year.
-_UNCLEAR_DAY = re.compile(r"^(\d{1,2}([/-])\d{1,2}\2\d{2}(?:\d{2})?)(?!\d)")
+_UNCLEAR_DAY = re.compile(r"^((\d{1,2})([/-])(\d{1,2})\3(\d{2}(?:\d{2})?))(?!\d)")
+# A day, and behind it a time of day in no named zone.
+_DAY_AND_CLOCK = re.compile(r"^(.*?\d日?)[T ,]+((?:[01]?\d|2[0-3]):[0-5]\d(?::[0-5]\d(?:\.\d+)?)?(?: ?[AP]M)?)$")
 _MIDNIGHT = re.compile(r"[T ]+0{1,2}:00(:00(\.0+)?)?$")
 _BEFORE_PARTS = re.compile(r"(:\d{2})(?:,(?=\d)|:(?=\d{3}(?!\d)))")  # 30,5 s; a third colon has ms behind it
 _ZONE = re.compile(r"(?<=[\dM.]) ([A-Z]{3,5})$")  # CET, behind digits or AM
@@ -228,7 +230,8 @@ def seconds(cells: pd.Series) -> tuple[np.ndarray, int | None]:
     Dates count from the earliest one, times of day from midnight, and durations from zero.
 
     ``01.03.2026`` is the first of March (points part day, month and year); of ``01/03/2026`` and ``01-03-2026``
-    nobody can tell: where such dates differ within a file they are refused, as if they were no dates.
+    nobody can tell, but where another has a number above 12: where such dates differ within a file they are refused,
+    as if they were no dates.
     """
     import pandas as pd
 
@@ -293,11 +296,37 @@ def _past_midnight(since: np.ndarray) -> np.ndarray:
 
 
 def _dates(text: pd.Series) -> pd.Series:
+    """Dates, with or without a time of day."""
     import pandas as pd
 
-    unclear = text.str.extract(_UNCLEAR_DAY.pattern)[0]
-    if unclear.nunique() > 1:
-        text = text.mask(unclear.notna(), "?")
-    pointed = text.str.match(r"^\d{1,2}\.\d{1,2}\.\d{2,4}", na=False)
-    first = bool(pointed.any())
-    return pd.to_datetime(text, errors="coerce", format="mixed", utc=True, dayfirst=first)
+    when = pd.to_datetime(text, errors="coerce", format="ISO8601", utc=True)
+    others = when.isna() & text.notna()
+    return when.where(~others, _moments_of_days(text[others])) if others.any() else when
+
+
+def _moments_of_days(text: pd.Series) -> pd.Series:
+    """Dates, with or without a time of day: many moments lie in few days, each of which is read once."""
+    import pandas as pd
+
+    parts = text.str.extract(_DAY_AND_CLOCK.pattern)
+    clock = whole_clocks(parts[1].str.replace(_BEFORE_HALF, WHOLE_CLOCKS["h"], regex=True), "h")
+    since_s, _ = _times_of_day(clock, clock.str.extract(_CLOCK.pattern))
+    number, days = parts[0].fillna(text).factorize()
+    when = _days(pd.Series(days)).iloc[number].set_axis(text.index)
+    return when + pd.to_timedelta(np.nan_to_num(since_s), unit="s")
+
+
+def _days(text: pd.Series) -> pd.Series:
+    """Different dates; none where which number is the day and which the month is told by none of them."""
+    import pandas as pd
+
+    unclear = text.str.extract(_UNCLEAR_DAY.pattern)
+    day_first, told = bool(text.str.match(r"^\d{1,2}\.\d{1,2}\.\d{2,4}", na=False).any()), unclear[0].nunique() < 2
+    if not told:
+        first, second, year = (unclear[part] for part in (1, 3, 4))
+        day_second = (second.astype("Float64") > 12).any()
+        # 26-03-01 may begin with the year.
+        day_first = bool(((first.astype("Float64") > 12) & (year.str.len() == 4)).any())
+        told = day_first != day_second and not (day_second and (first.astype("Float64") > 12).any())
+    text = text if told else text.mask(unclear[0].notna(), "?")
+    return pd.to_datetime(text, errors="coerce", format="mixed", utc=True, dayfirst=day_first)

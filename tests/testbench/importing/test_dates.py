@@ -35,6 +35,24 @@ def test_where_day_and_month_cannot_be_told_apart_a_change_of_them_is_refused(tm
 
 
 @pytest.mark.parametrize(
+    "days",
+    [("12/31/2026", "1/1/2027"), ("31/12/2026", "1/1/2027"), ("31-12-2026", "01-01-2027"), ("12/31/26", "1/1/27")],
+)
+def test_a_number_above_12_tells_the_day_from_the_month(tmp_path, days):
+    whens = [f"{days[0]} 23:59:59.0", f"{days[0]} 23:59:59.5", f"{days[1]} 00:00:00.25"]
+    assert time_of(table(tmp_path, "Time", whens)) == [0, 0.5, 1.25]
+    halves = [when.replace(" 23:", " 11:").replace(" 00:", " 12:") for when in whens]
+    halves = [f"{when} {half}" for when, half in zip(halves, ("PM", "PM", "AM"), strict=True)]
+    assert time_of(table(tmp_path, "Time", halves)) == [0, 0.5, 1.25]
+
+
+@pytest.mark.parametrize("days", [("13/12/2026", "12/13/2026"), ("26-03-12", "26-03-13")])
+def test_days_that_say_both_are_refused(tmp_path, days):
+    with pytest.raises(UserError, match="cannot be told; write dates as 2026-03-01"):
+        time_of(table(tmp_path, "Time", [f"{days[0]} 10:00:00", f"{days[0]} 10:00:01", f"{days[1]} 10:00:02"]))
+
+
+@pytest.mark.parametrize(
     "form", ["2026-03-01 10:00:0{}.5 CET", "10:00:0{},5 MESZ", "10:00:0{}.5 AM EST", "2026-03-01 10:00:0{}:500"]
 )
 def test_one_zone_for_all_says_nothing_and_a_third_colon_has_milliseconds_behind_it(tmp_path, form):
