@@ -45,8 +45,8 @@ LAWS = {
     ),
     "mechanics.relaxation": (
         "stress_relaxation stress_relaxation_two_times stress_relaxation_spectrum stress_relaxation_findley "
-        "stress_relaxation_power stress_relaxation_log stress_relaxation_nonlinear stress_relaxation_arm "
-        "stress_relaxation_arm_power stress_relaxation_series stress_relaxation_prony"
+        "stress_relaxation_power stress_relaxation_log stress_relaxation_nonlinear stress_relaxation_activated "
+        "stress_relaxation_arm stress_relaxation_arm_power stress_relaxation_series stress_relaxation_prony"
     ),
     "mechanics.rate_stiffening": (
         "viscous_rate_stiffening viscous_rate_stiffening_maxwell viscous_rate_stiffening_eyring "

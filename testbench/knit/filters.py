@@ -124,6 +124,18 @@ def memory_of_decades(x: FloatArray, per_decade: float, tau_s: float, dt_s: floa
     return memory(x, times_s, per_decade / np.log(10) * weights, dt_s)
 
 
+def activated_memory(x: FloatArray, load: FloatArray, tau_s: float, activation: float, dt_s: float) -> FloatArray:
+    """What of `x` is forgotten so far, the sooner the larger a load is: tau exp(-activation load) y' = x - x(0) - y.
+
+    Source: Eyring, J. Chem. Phys. 4 (1936) 283 (a load lowers the barrier, and the time falls exponentially).
+    """
+    from testbench.knit.lags import varying_lowpass
+
+    per_s = np.exp(activation * np.clip(load, 0.0, 1.0)) / tau_s
+    mean_per_s = 0.5 * (per_s + np.r_[per_s[0], per_s[:-1]])  # over the step that ends at each sample
+    return varying_lowpass(x, np.exp(-dt_s * mean_per_s)) - x[0]
+
+
 def log_conductance(conductance_S: FloatArray) -> FloatArray:
     """Natural logarithm of the conductance, finite where a wild fit has none left."""
     return np.log(np.maximum(conductance_S, 1e-300))

@@ -6,7 +6,15 @@ import numpy as np
 
 from testbench.knit.additive import ConductanceLaw
 from testbench.knit.effect import Effect, FloatArray, Points, Signals, Stage, Vector, parameter
-from testbench.knit.filters import highpass, log_conductance, lowpass, memory, memory_of_box, memory_of_decades
+from testbench.knit.filters import (
+    activated_memory,
+    highpass,
+    log_conductance,
+    lowpass,
+    memory,
+    memory_of_box,
+    memory_of_decades,
+)
 
 SPOTS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)  # quicker is an overshoot
 
@@ -172,12 +180,8 @@ class ContactRelaxationActivated(SpotsLaw):
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="largest strain")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        from testbench.knit.lags import varying_lowpass
-
-        log_g = log_conductance(signals["conductance_S"])
-        per_s = np.exp(self.activation * np.clip(signals["strain"] / self.span, 0.0, 1.0)) / self.tau_s
-        mean_per_s = 0.5 * (per_s + np.r_[per_s[0], per_s[:-1]])  # over the step that ends at each sample
-        return -self.fraction * (varying_lowpass(log_g, np.exp(-dt_s * mean_per_s)) - log_g[0])
+        log_g, load = log_conductance(signals["conductance_S"]), signals["strain"] / self.span
+        return -self.fraction * activated_memory(log_g, load, self.tau_s, self.activation, dt_s)
 
     def starts(self, signals: Signals, residual: Signals) -> Points:
         return [{"tau_s": tau_s, "activation": a} for tau_s in (15.0, 50.0, 150.0) for a in (0.7, 2.0)]

@@ -7,7 +7,14 @@ import numpy as np
 from testbench.knit import spectra
 from testbench.knit.additive import ForceLaw
 from testbench.knit.effect import Effect, FloatArray, Points, Signals, Stage, Vector, parameter, zeros
-from testbench.knit.filters import lowpass, memory, memory_of_box, memory_of_decades, memory_of_two_times
+from testbench.knit.filters import (
+    activated_memory,
+    lowpass,
+    memory,
+    memory_of_box,
+    memory_of_decades,
+    memory_of_two_times,
+)
 
 PRONY_S = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 STARTS_OF_A_POWER = [{"tau_s": tau_s, "exponent": exponent} for tau_s in (0.1, 1.0, 10.0) for exponent in (0.3, 1.0)]
@@ -188,6 +195,33 @@ class StressRelaxationNonlinear(StressRelaxationLaw):
 
         driving_N = self.span_N * power_of(force_N / self.span_N, self.power)
         return self.fraction * (lowpass(driving_N, self.tau_s, dt_s) - driving_N[0])
+
+
+class StressRelaxationActivated(StressRelaxationLaw):
+    """The higher the force is, the sooner it decays.
+
+    F(t) = F_e(t) - fraction * y,   tau(F_e) y' = F_e - F_e(0) - y,   tau(F_e) = tau exp(-activation |F_e| / span)
+
+    Source: Eyring, J. Chem. Phys. 4 (1936) 283 (a load lowers the barrier, and the time falls exponentially).
+    Valid: one time at each force; `span_N` is the range of the force.
+    """
+
+    name = "stress_relaxation_activated"
+    look = "in a hold the force sinks, quickly where it is high"
+
+    fraction: float = parameter(0.2, unit="1", low=0, high=1, doc="share of the force that is lost in the end")
+    tau_s: float = parameter(60.0, unit="s", low=0.5, high=3000, scale="log", doc="relaxation time without load")
+    activation: float = parameter(
+        1.0, unit="1", low=0, high=5, doc="e-folds by which it is shorter at the full force"
+    )
+    span_N: float = parameter(5.0, unit="N", low=1e-3, high=1e4, doc="range of the force")
+
+    def lost_N(self, force_N: FloatArray, dt_s: float) -> FloatArray:
+        load = np.abs(force_N) / self.span_N
+        return self.fraction * activated_memory(force_N, load, self.tau_s, self.activation, dt_s)
+
+    def starts(self, signals: Signals, residual: Signals) -> Points:
+        return [{"tau_s": tau_s, "activation": a} for tau_s in (15.0, 50.0, 150.0) for a in (0.7, 2.0)]
 
 
 class StressRelaxationProny(StressRelaxationLaw):

@@ -19,6 +19,7 @@ from testbench.knit.mechanics.rate_stiffening import (
 )
 from testbench.knit.mechanics.relaxation import (
     StressRelaxation,
+    StressRelaxationActivated,
     StressRelaxationArm,
     StressRelaxationArmPower,
     StressRelaxationFindley,
@@ -94,6 +95,19 @@ def test_nonlinear_relaxation_with_power_one_is_the_linear_one() -> None:
     linear = StressRelaxation(fraction=0.3, tau_s=5.0).apply({"force_N": STEP}, DT_S)["force_N"]
     same = StressRelaxationNonlinear(fraction=0.3, tau_s=5.0, power=1.0).apply({"force_N": STEP}, DT_S)["force_N"]
     np.testing.assert_allclose(same, linear, atol=1e-12)
+
+
+@pytest.mark.parametrize("load", [0.0, 0.25, 1.0])
+def test_activated_relaxation_in_a_hold_is_an_exponential_whose_time_the_load_shortens(load: float) -> None:
+    """The step itself, one sample long, takes half a sample more or less of the decay."""
+    before = np.where(T == 0, 0.0, load)
+    law = StressRelaxationActivated(fraction=0.3, tau_s=30.0, activation=2.0, span_N=1.0)
+    force = law.apply({"force_N": before}, DT_S)["force_N"]
+    holding = load * (1 - 0.3 * -np.expm1(-T / (30.0 * np.exp(-2.0 * load))))
+    np.testing.assert_allclose(force[1:], holding[1:], atol=0.3 * load * DT_S / 4.0)
+    linear, same = StressRelaxation(fraction=0.3, tau_s=30.0), law.near(activation=0.0)
+    plain, without = (one.apply({"force_N": RAMP_AND_HOLD}, DT_S)["force_N"] for one in (linear, same))
+    np.testing.assert_allclose(without, plain, atol=1e-5)
 
 
 def test_what_gives_way_in_series_takes_its_share_of_a_step():
