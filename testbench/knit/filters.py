@@ -99,6 +99,19 @@ def memory(x: FloatArray, tau_s: FloatArray, weights: FloatArray, dt_s: float) -
     return exponential_bank(np.ascontiguousarray(x), a, b0, b1, np.asarray(weights, dtype=np.float64))
 
 
+LEAST_LEFT = 1e-3  # of a conductance from which a path was taken away, or of a resistance
+
+
+def beside(conductance_S: FloatArray, part: FloatArray) -> FloatArray:
+    """Conductance with a path in parallel, of `part` times its first value."""
+    return np.maximum(conductance_S + part * conductance_S[0], LEAST_LEFT * conductance_S)
+
+
+def in_series(conductance_S: FloatArray, part: FloatArray) -> FloatArray:
+    """Conductance with a resistance in series, of `part` times the first one."""
+    return conductance_S / np.maximum(1 + part * (conductance_S / conductance_S[0]), LEAST_LEFT)
+
+
 def memory_of_two_times(
     x: FloatArray, fraction: float, share: float, fast_s: float, slow_s: float, dt_s: float
 ) -> FloatArray:

@@ -75,8 +75,8 @@ class Beam:
 
     def seeds(self) -> Iterator[Point]:
         for place in self.chain.places:
-            if place.name == "conductance reading" or place.is_share:
-                continue  # the trace of another place, times a force; which it is, is decided in the end
+            if place.name == "conductance reading" or place.way != "amount":
+                continue  # nearly the trace of another place; which it is, is decided in the end
             coordinates = coordinates_at(place, self.readable[place.name])
             for law in self.known:
                 if law.term.coordinate in coordinates and set(law.term.reads) <= self.readable[place.name]:

@@ -49,15 +49,21 @@ class OpenChain:
         measured = self.measurement.channels
         if place.stage >= Stage.CONTACT:
             own = FORCE_CHANNEL if place.writes == SIGNAL_OF[FORCE_CHANNEL] else CONDUCTANCE_CHANNEL
-            return {own: np.ones_like(self.measurement.signals["time_s"])} if own in measured else {}
+            return {own: self._by_way(place)} if own in measured else {}
         state = self.after[place.stage]
         values = state[place.writes]
         step = STEP * max(float(np.ptp(values)), 1e-9)
         moved = self.downstream(place.stage, {**state, place.writes: values + step})
         still = self.downstream(place.stage, state)
-        by = values / step if place.is_share else 1 / step
+        by = values / step if place.way == "share" else 1 / step
         slopes = {c: (channel_of(moved, c) - channel_of(still, c)) * by for c in measured}
         return {c: slope for c, slope in slopes.items() if np.any(np.abs(slope) > 1e-9)}
+
+    def _by_way(self, place: Place) -> FloatArray:
+        """Change of a reading, in N or ln S, with what is changed behind the contacts, shape (n,)."""
+        values = self.after[place.stage][place.writes]
+        ratio = values / values[0] if place.way != "amount" else np.ones_like(values)
+        return 1 / ratio if place.way == "beside" else -ratio if place.way == "in series" else ratio
 
     def downstream(self, stage: Stage, state: Signals) -> dict[str, FloatArray]:
         """The rest of the chain after a stage."""

@@ -21,7 +21,10 @@ MOST_PARAMETERS = 4
 STRENGTH = "gain"
 TOOLS: dict[str, Any] = {
     "np": np,
-    **{name: getattr(filters, name) for name in ("lowpass", "highpass", "rate", "lagging_rate", "shifted")},
+    **{
+        name: getattr(filters, name)
+        for name in ("lowpass", "highpass", "rate", "lagging_rate", "shifted", "beside", "in_series")
+    },
     **{
         name: getattr(memories, name)
         for name in (
@@ -222,8 +225,15 @@ class Law:
         return self.place.unit / self.term.unit
 
     def ways(self) -> list[Law]:
-        """The law, and what is the same to first order: a force changed by a share, where the law ends in that."""
+        """The law, and what nearly is the same to first order.
+
+        That is a force changed by a share, where the law ends in that, and a path beside a conductance, or a
+        resistance in series with it.
+        """
         last = len(self.term.operators) - 1
+        if self.place.name == "conductance":
+            in_series = replace(self, place=PLACES["resistance in series"], strength=-self.strength)
+            return [self, replace(self, place=PLACES["path beside"]), in_series]
         if self.place.name != "force" or last < 0 or self.term.operators[last].name != "times force":
             return [self]
         return [self, replace(self, place=PLACES["force by a share"], term=self.term.without(last))]

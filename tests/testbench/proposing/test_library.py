@@ -123,6 +123,21 @@ def test_the_file_does_what_the_search_has_tried(law: Law):
     assert np.allclose(written, expected, rtol=1e-4, atol=1e-5 * np.ptp(before))
 
 
+def test_a_conductance_may_be_changed_by_a_path_beside_it_or_a_resistance_in_series():
+    """Each adds up in its own unit, and with what the search takes for its trace in ln G."""
+    ln_g, beside, in_series = law_of("conductance", "strain", "lag", gain=1e-4).ways()
+    g, g_0 = SIGNALS["conductance_S"], SIGNALS["conductance_S"][0]
+    z = ln_g.term.evaluated(SIGNALS, ln_g.values, DT_S)
+    after = {
+        one.place.name: applied(effect_class(one, "my_law", GRID)(), SIGNALS, DT_S)["conductance_S"]
+        for one in (beside, in_series)
+    }
+    assert after["path beside"] == pytest.approx(g + 1e-4 * z * g_0, rel=1e-9)
+    assert 1 / after["resistance in series"] == pytest.approx(1 / g - 1e-4 * z / g_0, rel=1e-9)
+    torn = applied(effect_class(replace(beside, strength=-1e3), "my_law", GRID)(), SIGNALS, DT_S)["conductance_S"]
+    assert np.all(torn > 0)  # however large z becomes
+
+
 def test_what_a_force_is_multiplied_by_may_be_a_share_of_it_the_same_to_first_order():
     amount, share = law_of("force", "strain", "lag", "times force", gain=1e-4).ways()
     assert share.key == "force by a share: strain, lag"

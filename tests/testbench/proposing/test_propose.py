@@ -14,7 +14,7 @@ from testbench.cli import main
 from testbench.diagnosis.searching.search import Search
 from testbench.knit.catalogue import load_catalogue
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.rules import check
+from testbench.knit.rules import applied, check
 from testbench.measurements.splitting import split
 from testbench.proposing import Proposed, propose_law
 from testbench.proposing.blindness import not_judged
@@ -32,7 +32,7 @@ from testbench.recordings.recording import Recording
 from testbench.report.figures.proposal_figures import part_of
 from tests.testbench.asked_once import answered_once
 from tests.testbench.builders import CATALOGUE, record, truth, write_csv
-from tests.testbench.proposing.test_library import law_of
+from tests.testbench.proposing.test_library import GRID, law_of
 
 STRIP = Path(__file__).resolve().parents[3] / "../shared/data/real/cb_silicone_strip"
 HEAL_S, REACH = 12.0, 0.5
@@ -146,6 +146,17 @@ def test_a_share_of_the_force_moves_the_channels_by_the_force_times_as_much():
     share, amount = (chain.slopes(PLACES[name]) for name in ("force by a share", "force"))
     force_N = chain.readable(PLACES["force"])["force_N"]
     assert {c: pytest.approx(slope * force_N) for c, slope in amount.items()} == share
+
+
+@pytest.mark.parametrize("place", ["conductance", "path beside", "resistance in series"])
+def test_the_trace_of_a_change_of_the_conductance_is_that_of_its_effect(place: str):
+    calibration = split(*pair(hidden=False))[0]
+    chain, law = OpenChain(truth(), calibration), law_of(place, "strain", "lag", gain=1e-4)
+    z = law.term.evaluated(chain.readable(law.place), law.values, calibration.dt_s)
+    signals = chain.after[law.place.stage]
+    after = applied(effect_class(law, "my_law", GRID)(), signals, calibration.dt_s)["conductance_S"]
+    change = np.log(after / signals["conductance_S"])
+    assert change == pytest.approx(1e-4 * z * chain.slopes(law.place)["conductance"], abs=1e-3 * np.ptp(change))
 
 
 def test_the_command_writes_effect_picture_and_model_that_work(
