@@ -317,16 +317,25 @@ def _moments_of_days(text: pd.Series) -> pd.Series:
 
 
 def _days(text: pd.Series) -> pd.Series:
-    """Different dates; none where which number is the day and which the month is told by none of them."""
+    """Different dates; none where the day cannot be told from the month."""
     import pandas as pd
 
     unclear = text.str.extract(_UNCLEAR_DAY.pattern)
-    day_first, told = bool(text.str.match(r"^\d{1,2}\.\d{1,2}\.\d{2,4}", na=False).any()), unclear[0].nunique() < 2
-    if not told:
-        first, second, year = (unclear[part] for part in (1, 3, 4))
-        day_second = (second.astype("Float64") > 12).any()
-        # 26-03-01 may begin with the year.
-        day_first = bool(((first.astype("Float64") > 12) & (year.str.len() == 4)).any())
-        told = day_first != day_second and not (day_second and (first.astype("Float64") > 12).any())
-    text = text if told else text.mask(unclear[0].notna(), "?")
-    return pd.to_datetime(text, errors="coerce", format="mixed", utc=True, dayfirst=day_first)
+    pointed = text.str.match(r"^\d{1,2}\.\d{1,2}\.\d{2,4}", na=False)
+    day_first = _day_first(unclear) if unclear[0].nunique() > 1 else bool(pointed.any())
+    if day_first is None:
+        text = text.mask(unclear[0].notna(), "?")
+    return pd.to_datetime(text, errors="coerce", format="mixed", utc=True, dayfirst=bool(day_first))
+
+
+def _day_first(unclear: pd.DataFrame) -> bool | None:
+    """Whether the day stands before the month in dates, the groups of `_UNCLEAR_DAY`: a number above 12 is no month.
+
+    None where no number tells, or numbers contradict each other.
+    """
+    first, second = ((unclear[place].astype("Float64") > 12).fillna(False) for place in (1, 3))
+    if first.any() == second.any():
+        return None
+    if second.any():
+        return False
+    return True if (unclear[4][first].str.len() == 4).any() else None  # 26-03-01 may begin with the year
