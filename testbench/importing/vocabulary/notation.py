@@ -50,7 +50,7 @@ WHOLE_CLOCKS = {"h": r"\1:00", "min": r"0:\1"}  # of the unit before the colon
 # 01/03/2026, 01-03-26: the day or the month may come first, and of 26-03-01 even the year.
 _UNCLEAR_DAY = re.compile(r"^((\d{1,2})([/-])(\d{1,2})\3(\d{2}(?:\d{2})?))(?!\d)")
 # A day, and behind it a time of day in no named zone.
-_DAY_AND_CLOCK = re.compile(r"^(.*?\d日?)[T ,]+((?:[01]?\d|2[0-3]):[0-5]\d(?::[0-5]\d(?:\.\d+)?)?(?: ?[AP]M)?)$")
+_DAY_AND_CLOCK = re.compile(r"^(.{1,30}?\d日?)[T ,]+((?:[01]?\d|2[0-3]):[0-5]\d(?::[0-5]\d(?:\.\d+)?)?(?: ?[AP]M)?)$")
 _MIDNIGHT = re.compile(r"[T ]+0{1,2}:00(:00(\.0+)?)?$")
 _BEFORE_PARTS = re.compile(r"(:\d{2})(?:,(?=\d)|:(?=\d{3}(?!\d)))")  # 30,5 s; a third colon has ms behind it
 _ZONE = re.compile(r"(?<=[\dM.]) ([A-Z]{3,5})$")  # CET, behind digits or AM
