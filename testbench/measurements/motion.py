@@ -21,7 +21,7 @@ from testbench.measurements.noise_level import robust_sd
 
 NEIGHBOURS = (-3, -2, -1, 1, 2, 3)
 WINDOWS = {0: (1, 2, 4, 8, 16, 32), 2: (2, 4, 8, 16, 32), 4: (4, 8, 16, 32, 64)}  # order: samples on either side
-AROUND = 17  # samples over which the risk of a window is averaged
+AROUND, FARTHER = 17, 65  # samples over which the risk of a window is averaged, and that of their weighted mean
 SLOWEST = 0.2  # share of the samples
 TURN = 6.0  # standard deviations of the reading that a turn has at least
 
@@ -80,11 +80,12 @@ def without_reading_noise(values: FloatArray, noise: float) -> tuple[FloatArray,
     if noise <= 0:
         return values.copy(), np.zeros(len(values))
     windows = list(_windows(values))
-    fits = [fit for fit, _ in windows]
-    risks = [_risk(values, *one, noise) for one in windows]
-    weights = softmax(np.stack(risks) * (-AROUND / (4 * noise**2)), axis=0)
-    risk = np.einsum("ij,ij->j", weights, risks)
-    return np.einsum("ij,ij->j", weights, fits), np.sqrt(np.maximum(risk, 0.0))
+    risks = np.stack([_risk(values, *one, noise) for one in windows])
+    weights = softmax(risks * (-AROUND / (4 * noise**2)), axis=0)
+    averaged = noise**2 * np.array([middle for _, middle in windows]) @ weights
+    risk = uniform_filter1d(np.einsum("ij,ij->j", weights, risks), FARTHER, mode="nearest")
+    found = np.einsum("ij,ij->j", weights, [fit for fit, _ in windows])
+    return found, np.sqrt(np.maximum(risk, averaged))  # an estimate may be negative; what an average leaves is not
 
 
 def _windows(values: FloatArray) -> Iterator[tuple[FloatArray, float]]:
@@ -106,7 +107,7 @@ def _risk(values: FloatArray, fit: FloatArray, middle: float, noise: float) -> F
     return uniform_filter1d(off, AROUND, mode="nearest") + noise**2 * (2 * middle - 1)
 
 
-def without_small_turns(values: FloatArray, noise: float) -> FloatArray:
+def without_small_turns(values: FloatArray, error: FloatArray, noise: float) -> tuple[FloatArray, FloatArray]:
     """The nearest motion that goes one way between turns of more than `TURN` standard deviations of the noise.
 
     What is left of the noise in a hold is small, but it turns all the time, and narrow loops of friction can be made
@@ -114,16 +115,27 @@ def without_small_turns(values: FloatArray, noise: float) -> FloatArray:
 
     Parameters
     ----------
-    values : ndarray, shape (n,)
-        A motion, after `without_reading_noise`.
+    values, error : ndarray, shape (n,)
+        A motion, and the standard deviation of its error, from `without_reading_noise`.
     noise : float
         Standard deviation of the noise of its reading.
+
+    Returns
+    -------
+    found, error : ndarray, shape (n,)
+        Where k values became one, of their error a share is left, as of a mean of k readings; what they differed by
+        beyond it was a small turn of the motion.
     """
     if noise <= 0:
-        return values.copy()
+        return values.copy(), error.copy()
     at, upwards = _turns(values, TURN * noise)
     parts = zip(np.split(values, at), upwards, strict=True)
-    return np.concatenate([isotonic_regression(part, increasing=bool(up)).x for part, up in parts])
+    found = np.concatenate([isotonic_regression(part, increasing=bool(up)).x for part, up in parts])
+    block = np.cumsum(np.diff(found, prepend=found[:1]) != 0)
+    count = np.bincount(block)
+    turned = np.bincount(block, (values - found) ** 2 - error**2) / count
+    averaged = np.minimum(error**2, (noise**2 / count)[block])
+    return found, np.sqrt(averaged + np.maximum(turned, 0.0)[block])
 
 
 def _turns(values: FloatArray, least: float) -> tuple[list[int], list[bool]]:

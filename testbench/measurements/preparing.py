@@ -66,8 +66,8 @@ def prepare(
     # Times far apart, as in a hold of hours, tell little of the noise between them: the lower estimate is meant.
     read = min(reading_noise(time_s, recording.strain), noise_floor(recording.strain))
     noise = max(read, even_step(recording.strain) / 12**0.5) / np.sqrt(binned.averaged)
-    strain, left = without_reading_noise(binned(recording.strain), noise)
-    signals, averaged = inputs(grid_s, without_small_turns(strain, noise), temperature), (binned.averaged,)
+    strain, left = without_small_turns(*without_reading_noise(binned(recording.strain), noise), noise)
+    signals, averaged = inputs(grid_s, strain, temperature), (binned.averaged,)
     return Measurement(signals, 1.0 / rate_hz, measured, counts, recording, left, float(grid_s[0]), averaged)
 
 

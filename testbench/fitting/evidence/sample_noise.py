@@ -12,6 +12,7 @@ from itertools import pairwise
 from statistics import harmonic_mean
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from testbench.fitting import constants
 from testbench.fitting.evidence.independent_samples import in_last_fit, news_of
@@ -31,6 +32,7 @@ from testbench.measurements.noise_level import (
     within_range,
 )
 
+WAVE = 16  # grid points of a wave by which the strain may be off
 LEVELS, MOST_NOISE = 10, 30.0  # levels whose noise is told apart; largest over typical noise
 FINEST = 3e-6  # of the spread of a reading: 20 bits free of noise, the best of converters; simulations may have none
 
@@ -69,13 +71,13 @@ def likelihood_of(
     rows = _thinned(measurement)
     share = min(in_last_fit(measurement, pieces) / len(rows), 1.0)
     modelled = measurement.modelled(model)
-    slope = _slopes(model, measurement, modelled)
+    moved = _moved_by_noise(model, measurement, modelled)
     weight, floor, is_read, quieter = {}, {}, measurement.is_read, measurement.quieter
     for channel, values in measurement.measured.items():
         speed = np.gradient(modelled[channel], measurement.signals["time_s"])[rows]
         by_level = _noise_by_level(values, is_read, rounding(sampled(measurement, channel)[1]), quieter)[rows]
         read = noise[channel] * np.clip(by_level / np.median(by_level), 0.3, MOST_NOISE) / quieter[rows]
-        sd = np.hypot(read, (slope[channel] * measurement.strain_noise)[rows])
+        sd = np.hypot(read, moved[channel][rows])
         sd = np.hypot(sd, (jitter_s or {}).get(channel, 0.0) * speed)
         sd = np.hypot(sd, glitches(values, noise[channel] / quieter)[rows])
         floor[channel] = float(np.mean(sd**-2.0) ** -0.5)
@@ -99,12 +101,23 @@ def _thinned(measurement: Measurement) -> np.ndarray:
     return counting[np.linspace(0, len(counting) - 1, constants.SAMPLES).astype(int)]
 
 
-def _slopes(model: KnitModel, measurement: Measurement, modelled: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    """Change of each channel with the strain, shape (n,)."""
-    step = 1e-4 * max(float(np.ptp(measurement.signals["strain"])), 1e-6)
-    moved = {**measurement.signals, **{key: measurement.signals[key] + step for key in ("strain", "strain_nominal")}}
-    there = model.simulate(moved, measurement.dt_s)
-    return {c: (channel_of(there, c) - here) / step for c, here in modelled.items()}
+def _moved_by_noise(
+    model: KnitModel, measurement: Measurement, modelled: Mapping[str, FloatArray]
+) -> dict[str, FloatArray]:
+    """Standard deviation of each channel from the noise that is left in the strain, shape (n,).
+
+    The model is moved by two waves of that size, a quarter of a period apart, and not by one shift: friction sticks
+    where the strain has just turned, and is steeper there than the curve that it slips along.
+    """
+    phase = 2 * np.pi * np.arange(len(measurement.strain_noise)) / WAVE
+    moved = {c: np.zeros(len(phase)) for c in modelled}
+    for wave in (np.cos(phase), np.sin(phase)):
+        step = measurement.strain_noise * wave
+        strains = {key: measurement.signals[key] + step for key in ("strain", "strain_nominal")}
+        there = model.simulate({**measurement.signals, **strains}, measurement.dt_s)
+        for c, here in modelled.items():
+            moved[c] += (channel_of(there, c) - here) ** 2
+    return {c: np.sqrt(uniform_filter1d(squares, WAVE)) for c, squares in moved.items()}
 
 
 def _noise_by_level(

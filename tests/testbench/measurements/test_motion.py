@@ -33,7 +33,7 @@ def noise(sd: float, seed: int) -> np.ndarray:
 
 def moved(reading: np.ndarray, sd: float) -> np.ndarray:
     """The motion behind a reading, as `prepare` takes it."""
-    return without_small_turns(without_reading_noise(reading, sd)[0], sd)
+    return without_small_turns(*without_reading_noise(reading, sd), sd)[0]
 
 
 def turns(motion: np.ndarray) -> int:
@@ -63,7 +63,7 @@ def test_a_reading_too_short_to_tell_has_no_noise():
 def test_without_noise_nothing_changes():
     strain = ramps_and_holds(TIME_S)
     np.testing.assert_allclose(without_reading_noise(strain, 0.0)[0], strain, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(without_small_turns(strain, 0.0), strain, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(without_small_turns(strain, strain, 0.0)[0], strain, rtol=0, atol=1e-12)
 
 
 @given(st.floats(1e-6, 1e-3), st.integers(0, 1000))
@@ -92,6 +92,13 @@ def test_a_smooth_motion_is_found_more_closely_than_it_is_read(sd, seed):
     assert np.sqrt(np.mean(left**2)) == pytest.approx(np.std(off), rel=0.4)
 
 
+@given(st.floats(1e-5, 1e-3), st.integers(0, 1000))
+def test_no_sample_is_thought_free_of_noise(sd, seed):
+    strain = 0.1 - 0.1 * np.cos(0.4 * TIME_S)
+    found, left = without_reading_noise(strain + noise(sd, seed), sd)
+    assert 0.6 < np.sqrt(np.mean(((found - strain) / left) ** 2)) < 1.5
+
+
 @pytest.mark.parametrize("sd", [1e-7, 1e-5, 1e-3])
 def test_it_is_never_further_off_than_the_reading(sd):
     """However quickly the motion turns: its bends are not cut off for the sake of the noise."""
@@ -104,8 +111,8 @@ def test_it_is_never_further_off_than_the_reading(sd):
 @given(st.floats(1e-6, 1e-3), st.integers(0, 1000))
 def test_a_hold_stands_still_and_turns_keep_their_place(sd, seed):
     strain = ramps_and_holds(TIME_S)
-    smooth = without_reading_noise(strain + noise(sd, seed), sd)[0]
-    found = without_small_turns(smooth, sd)
+    smooth, left = without_reading_noise(strain + noise(sd, seed), sd)
+    found = without_small_turns(smooth, left, sd)[0]
     middle_of_hold = (TIME_S > 15) & (TIME_S < 25)
     assert turns(found[middle_of_hold]) <= 2 < 20 < turns(smooth[middle_of_hold])
     assert turns(strain) <= turns(found) < turns(strain) + 10
@@ -145,9 +152,27 @@ def test_friction_keeps_its_force_in_a_hold_that_was_read_with_noise():
 
     assert force_N(strain) > 0.99
     assert force_N(reading) < 0.1
-    smooth = without_reading_noise(reading, 1e-4)[0]
+    smooth, left = without_reading_noise(reading, 1e-4)
     assert force_N(smooth) > 0.8
-    assert force_N(without_small_turns(smooth, 1e-4)) > 0.95
+    assert force_N(without_small_turns(smooth, left, 1e-4)[0]) > 0.95
+
+
+@given(st.floats(1e-6, 1e-3), st.integers(0, 1000))
+def test_a_hold_is_known_as_well_as_a_mean_of_its_readings(sd, seed):
+    strain = ramps_and_holds(TIME_S)
+    found, left = without_small_turns(*without_reading_noise(strain + noise(sd, seed), sd), sd)
+    middle_of_hold = (TIME_S > 15) & (TIME_S < 25)
+    assert np.median(left[middle_of_hold]) < 0.2 * sd
+    assert np.sqrt(np.mean(((found - strain) / left) ** 2)) < 1.5
+
+
+def test_a_turn_that_the_noise_hid_is_part_of_the_error():
+    sd, small = 1e-3, 4e-3
+    strain = np.interp(TIME_S, [0, 100, 103, 106, 300], [0, 0.1, 0.1 - small, 0.1, 0.3])
+    found, left = without_small_turns(*without_reading_noise(strain + noise(sd, seed=4), sd), sd)
+    turn = (TIME_S > 100) & (TIME_S < 106)
+    assert np.ptp(found[turn]) < 0.5 * small
+    assert 0.6 < np.sqrt(np.mean(((found - strain) / left)[turn] ** 2)) < 1.5
 
 
 def test_a_measurement_moves_as_the_machine_did():

@@ -49,3 +49,18 @@ def test_an_instrument_that_rounds_is_as_good_as_its_rounding_at_every_level():
     judged = likelihood_of(truth(), measurement, noise_of(measurement))
     noise_N = judged.floor["force"] / judged.weight["force"]
     assert np.quantile(noise_N, [0.05, 0.5, 0.8]) == pytest.approx(step_N / 12**0.5, rel=0.35)
+
+
+def test_the_noise_of_the_displacement_counts_where_friction_sticks():
+    """Behind a turn the force follows the strain more steeply than the curve that friction slips along."""
+    stiff = truth().with_parameters({"elasticity.stiffness_N": 6.0, "hysteresis.friction_N": 2.0})
+    whole = record(stiff, 180.0, channels=("force_N",), noise=0.01)
+    moved_mm = 0.01 * np.random.default_rng(0).normal(size=len(whole))
+    shaken = {**whole.channels, "displacement_mm": whole["displacement_mm"] + moved_mm}
+    measurement = telling(prepare(replace(whole, channels=shaken)))
+    judged = likelihood_of(stiff, measurement, noise_of(measurement))
+    noise_N = judged.floor["force"] / judged.weight["force"]
+    off = measurement.residual(stiff)["force"][judged.rows] / noise_N
+    steep = noise_N > np.quantile(noise_N, 0.8)
+    assert np.sqrt(np.mean(off[steep] ** 2)) == pytest.approx(1.0, rel=0.3)
+    assert np.sqrt(np.mean(off[~steep] ** 2)) == pytest.approx(1.0, rel=0.3)
