@@ -18,6 +18,8 @@ from gcode.support.strict import check_plain
 from testbench.importing.choice import ELECTRICAL, FLAGS, NAMED, Choice
 from testbench.importing.choosing import choose
 from testbench.importing.columns import Read, on_main_clock, read_columns
+from testbench.importing.files import first_bytes, json_file, page_file
+from testbench.importing.files.cells import sheet_of
 from testbench.importing.imported import Imported
 from testbench.importing.layout import Column, misfit
 from testbench.importing.rows import (
@@ -43,7 +45,6 @@ from testbench.recordings.csv_columns import MOST_BYTES
 from testbench.recordings.doubts import slow
 from testbench.recordings.recording import Recording
 
-WORKBOOKS = (".xlsx", ".xlsm")
 MANY_TIMES = 6.0  # R0; a change of 5 % that was read as 5. Cracked films do go further, so it is only said
 
 # Channels, what their columns are measured in, and the roles that give one.
@@ -79,29 +80,36 @@ def look(path: Path, wish: Wish) -> tuple[Sheet, Choice]:
 
 
 def _opened(path: Path, wanted: Sequence[str], hints: Hints) -> Sheet:
-    """Read the top of a file and find its layout: Excel and TDMS by the ending of its name, anything else as text.
+    """Read the top of a file and find its layout.
 
     Raises
     ------
     UserError
         If it cannot be read, or has no numbers.
     """
-    kind = path.suffix.lower()
-    if kind == ".xls":
-        raise UserError(f"{path}: the old Excel format; open it in Excel or LibreOffice and save it as .xlsx")
     check_plain(path, "table", MOST_BYTES)
-    if hints.sheet and kind not in (*WORKBOOKS, ".tdms"):
-        raise UserError(
-            f"`sheet` is of a workbook or a TDMS file, which this is not; leave it out, got {hints.sheet!r}"
-        )
-    if kind in WORKBOOKS:
+    kind = first_bytes.kind_of(path)
+    if kind == first_bytes.WORKBOOK:
         from testbench.importing.files.excel_file import open_excel
 
         return open_excel(path, wanted, hints)
-    if kind == ".tdms":
+    if kind == first_bytes.TDMS:
         from testbench.importing.files.tdms_file import open_tdms
 
         return open_tdms(path, hints)
+    if kind == first_bytes.PAGE:
+        return sheet_of(path, page_file.tables_in(path, hints.encoding), wanted, hints)
+    if kind == first_bytes.JSON and (tables := json_file.tables_in(path, hints.encoding)):
+        return sheet_of(path, tables, wanted, hints, named=True)
+    if hints.sheet:
+        raise UserError(
+            "`sheet` is of a workbook or a TDMS file (or HTML, JSON), which this is not; leave it out, "
+            f"got {hints.sheet!r}"
+        )
+    if kind == first_bytes.PARQUET:
+        from testbench.importing.files.parquet_file import open_parquet
+
+        return open_parquet(path)
     from testbench.importing.files.text_file import open_text
 
     return open_text(path, wanted, hints)
