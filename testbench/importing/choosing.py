@@ -86,10 +86,12 @@ def _with_units_beside(layout: Layout, rows: Sequence[Sequence[str]]) -> tuple[L
     body = [row for row in rows[layout.first_row - 1 :] if width_of(row)]
     units, columns = {}, list(layout.columns)
     for place, column in enumerate(layout.columns):
-        cells = [row[place : place + 2] for row in body if count_numbers(row[place : place + 1])]
+        at = column.number - 1
+        cells = [row[at : at + 2] for row in body if count_numbers(row[at : at + 1])]
         behind = [unit_in(cell) for cell, *_ in cells]
         beside = [cell for _, *others in cells for cell in others if words_in([cell]) and _may_be_of(cell, column)]
-        for where, texts in zip(layout.columns[place : place + 2], (behind, beside), strict=False):
+        pair = [one for one in layout.columns[place : place + 2] if one.number <= column.number + 1]
+        for where, texts in zip(pair, (behind, beside), strict=False):
             said = list(filter(None, texts))
             if 2 * len(said) > len(body):
                 units[column.number] = where, said[0]

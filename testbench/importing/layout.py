@@ -338,8 +338,9 @@ def column_of(layout: Layout, text: str) -> Column:
         if same:
             where = " and ".join(str(column.number) for column in same)
             raise UserError(f"the columns {where} are both called {text!r}; say which by its number")
-    if text.strip().isdigit() and 1 <= int(text) <= len(layout.columns):
-        return layout.columns[int(text) - 1]
+    for column in layout.columns:
+        if text.strip() == str(column.number):
+            return column
     raise UserError(f"no column {text!r}; {described(layout)}")
 
 
