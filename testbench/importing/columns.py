@@ -10,7 +10,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.importing.choice import UNIT_FLAGS, Choice, Taken
-from testbench.importing.clocks import SUMMER_TIME_S, counters, on_one_clock, onward
+from testbench.importing.clocks import SUMMER_TIME_S, counters, on_one_clock, onward, unit_of_part
 from testbench.importing.layout import Column, shortened
 from testbench.importing.sheet import Sheet
 from testbench.importing.tables_below import begins_of, names_again
@@ -85,7 +85,7 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
     for role, one in choice.taken.items():
         cells = frame[one.column.number]
         if one.unit is None:
-            found = _moments(one, cells, frame, read)
+            found = _moments(one, cells, frame, read) + _parts(one, frame, sheet.decimal, read)
         else:
             plain, wrong = _numbers(one, cells, sheet.decimal, thousands)
             read.words[role] = _in_words(one, plain)
@@ -136,6 +136,18 @@ def _moments(one: Taken, cells: pd.Series, frame: pd.DataFrame, read: Read) -> n
     _note(read, one.column, cells, wrong, "a date and time" if one.days is None else "a time of day")
     read.words[one.role] = f"{one.column.label}: dates and times{of_days}, in seconds from the first"
     return _onward(found, SUMMER_TIME_S, one.column, read)
+
+
+def _parts(one: Taken, frame: pd.DataFrame, decimal: str, read: Read) -> np.ndarray | float:
+    """The parts of a second that stand beside dates and times, in s; 0 where none do."""
+    unit = unit_of_part(one.part) if one.part else None
+    if one.part is None or unit is None:
+        return 0.0
+    parts_s = unit.converted(numbers(frame[one.part.number], decimal)[0])
+    good = (parts_s >= 0) & (parts_s < 1)
+    read.words[one.role] += f", with the parts of a second in {one.part.label}"
+    _note(read, one.part, frame[one.part.number], None if good.all() else int(good.argmin()), "a part of a second")
+    return np.where(good, parts_s, np.nan)
 
 
 def _onward(times: np.ndarray, periods: Mapping[float, str], column: Column, read: Read) -> np.ndarray:

@@ -150,7 +150,10 @@ def _of_one(specimen: str, sheet: Sheet, choice: Choice, wish: Wish) -> list[Imp
     path = sheet.path
     if choice.troubles:
         first = sheet.head[sheet.layout.first_row - 1]
-        raise UserError(f"{path}: {in_words(choice.troubles, sheet.layout, first)}")
+        said = [in_words(choice.troubles, sheet.layout, first)]
+        if any(trouble.kind == "absent" for trouble in choice.troubles):
+            said += _overlooked(choice, wish)
+        raise UserError(f"{path}: {'; '.join(said)}")
     if idle := idle_words(choice, wish):
         raise UserError(f"{path}: {idle}")
     if wish.gauge_length_mm is None and STRETCH & set(choice.taken):
@@ -297,6 +300,7 @@ def _details(sheet: Sheet, choice: Choice, wish: Wish, done: Imported) -> dict[s
         }
         | ({"clock": _named(one.clock)} if one.clock else {})
         | ({"days": _named(one.days)} if one.days else {})
+        | ({"part": _named(one.part)} if one.part else {})
         | ({"units": _named(one.units)} if one.units else {})
         for role, one in choice.taken.items()
     }
