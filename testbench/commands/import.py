@@ -39,7 +39,7 @@ UNITS = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("file", metavar="FILE", help="text (CSV and the like), .xlsx or .tdms")
+    parser.add_argument("file", metavar="FILE", help="text (CSV and the like), .xlsx, .tdms, .parquet, JSON or HTML")
     parser.add_argument(
         "--gauge-length-mm", type=positive, metavar="L", help="length between the clamps at rest; needed for strain"
     )

@@ -35,6 +35,8 @@ class Taken:
         The column of the days that times of day are of.
     short : str
         What the first number of times such as ``12:01`` counts, ``h`` or ``min``; empty where they are none such.
+    part : Column or None
+        The column of the parts of a second, beside a time in whole ones.
     units : Column or None
         The column that says the unit of each row: itself, or one beside it, as multimeters write it.
     """
@@ -45,13 +47,14 @@ class Taken:
     unit_from: str
     clock: Column | None = None
     days: Column | None = None
+    part: Column | None = None
     units: Column | None = None
     short: str = ""
 
     @property
     def columns(self) -> tuple[Column, ...]:
         """All columns that it is read from."""
-        return tuple(column for column in (self.column, self.clock, self.days, self.units) if column)
+        return tuple(column for column in (self.column, self.clock, self.days, self.part, self.units) if column)
 
     @property
     def units_behind(self) -> bool:

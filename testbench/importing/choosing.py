@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from gcode.support.errors import UserError
 from testbench.importing.choice import ELECTRICAL, ITS_CELLS, NAMED, NOT_THERE, UNIT_FLAGS, Choice, Taken, Trouble
-from testbench.importing.clocks import own_clocks
+from testbench.importing.clocks import are_parts, own_clocks, unit_of_part
 from testbench.importing.layout import Column, Layout, column_of, count_numbers, width_of, words_in
 from testbench.importing.vocabulary.headings import unit_behind
 from testbench.importing.vocabulary.laboratory_units import Unit, given_unit, unit_of, units_spelt
@@ -48,15 +48,14 @@ def choose(layout: Layout, rows: Sequence[Sequence[str]], wish: Wish) -> Choice:
     choice = Choice()
     kinds: Kinds = {one: _columns_of(layout, rows, one) for one in (is_when, is_time_of_day, is_short_clock, is_day)}
     found = _searched(layout, wish, picked)
+    clock, part = _seconds_and_parts(layout, rows, kinds)
+    if "time" not in wish.columns and wish.rate_hz is None:
+        found["time"] = [clock] if clock else found.get("time") or _dates_in(layout, kinds, picked)
     times = found.get("time", [])
-    if not times and "time" not in wish.columns and wish.rate_hz is None:
-        found |= _dates_in(layout, kinds, picked)
     clocks = {role: column_of(layout, text) for role, text in wish.time_of.items()}
-    for role, columns in found.items():
-        if len(columns) == 1:
-            picked[role] = columns[0]
-        elif role != "time":
-            choice.troubles.append(Trouble("several", role, tuple(columns)))
+    picked |= {role: columns[0] for role, columns in found.items() if len(columns) == 1}
+    several = [role for role, columns in found.items() if len(columns) > 1 and role != "time"]
+    choice.troubles += [Trouble("several", role, tuple(found[role])) for role in several]
     _prefer(picked, choice, wish)
     if len(times) > 1:
         clocks = _several_clocks(times, picked, choice, clocks)
@@ -67,6 +66,8 @@ def choose(layout: Layout, rows: Sequence[Sequence[str]], wish: Wish) -> Choice:
         where, unit = units.get(one.column.number, (None, ""))
         if where and one.unit and unit_of(unit, (one.unit.quantity,)):
             choice.taken[role] = replace(one, units=where)
+    if clock and picked.get("time") is clock:
+        choice.taken["time"] = replace(choice.taken["time"], part=part)
     _check_enough(choice, wish)
     choice.unused = _unused(choice, layout)
     _join_days(choice, layout, kinds)
@@ -86,10 +87,12 @@ def _with_units_beside(layout: Layout, rows: Sequence[Sequence[str]]) -> tuple[L
     body = [row for row in rows[layout.first_row - 1 :] if width_of(row)]
     units, columns = {}, list(layout.columns)
     for place, column in enumerate(layout.columns):
-        cells = [row[place : place + 2] for row in body if count_numbers(row[place : place + 1])]
+        at = column.number - 1
+        cells = [row[at : at + 2] for row in body if count_numbers(row[at : at + 1])]
         behind = [unit_in(cell) for cell, *_ in cells]
         beside = [cell for _, *others in cells for cell in others if words_in([cell]) and _may_be_of(cell, column)]
-        for where, texts in zip(layout.columns[place : place + 2], (behind, beside), strict=False):
+        pair = [one for one in layout.columns[place : place + 2] if one.number <= column.number + 1]
+        for where, texts in zip(pair, (behind, beside), strict=False):
             said = list(filter(None, texts))
             if 2 * len(said) > len(body):
                 units[column.number] = where, said[0]
@@ -134,11 +137,26 @@ def _join_days(choice: Choice, layout: Layout, kinds: Kinds) -> None:
     choice.unused = _unused(choice, layout)
 
 
-def _dates_in(layout: Layout, kinds: Kinds, picked: Mapping[str, Column]) -> dict[str, list[Column]]:
-    """The time where one column alone has dates or times of day that go on: such are a time by any name."""
+def _dates_in(layout: Layout, kinds: Kinds, picked: Mapping[str, Column]) -> list[Column]:
+    """The one column with dates or times of day that go on, where one alone has some: a time by any name."""
     going_on = {number for number, differ in kinds[is_when].items() if differ > 1} - set(kinds[is_day])
     dated = [column for column in layout.columns if column.number in going_on and column not in picked.values()]
-    return {"time": dated} if len(dated) == 1 else {}
+    return dated if len(dated) == 1 else []
+
+
+def _seconds_and_parts(
+    layout: Layout, rows: Sequence[Sequence[str]], kinds: Kinds
+) -> tuple[Column | None, Column | None]:
+    """Dates or times in whole seconds, and the column of the parts of them, which begin anew with one of those."""
+    body = rows[layout.first_row - 1 :]
+    for clock in layout.columns:
+        if clock.number in kinds[is_when] and clock.number not in kinds[is_day]:
+            for part in layout.columns:
+                unit, last = unit_of_part(part), max(clock.number, part.number)
+                seen = [(row[clock.number - 1], row[part.number - 1]) for row in body if len(row) >= last]
+                if part is not clock and unit and are_parts([pair for pair in seen if all(pair)], unit.factor):
+                    return clock, part
+    return None, None
 
 
 def _several_clocks(

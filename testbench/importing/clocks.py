@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.importing.layout import Column
+from testbench.importing.vocabulary.laboratory_units import Unit, unit_of, units_spelt
 from testbench.importing.vocabulary.roles import words_of
 
 _TIME_WORDS = {"t", "time", "zeit", "timestamp", "s", "时间"}
 FAR = 10  # steps: more than a clock goes on by from one row to the next
+_WITH_PARTS = re.compile(r":\d{2}[.,]\d|:\d{2}:\d{2}:\d")  # 57.25 or 57:250
 SUMMER_TIME_S = {3600.0: "1 h"}  # by which the time of day falls back in autumn
 
 
@@ -45,6 +49,33 @@ def onward(times: np.ndarray, periods: Mapping[float, str], rows: np.ndarray) ->
             first = rows[there[1:][again][0]]
             return times + later, f"falls back by {called} in row {first}, and was taken to go on"
     return times, ""
+
+
+def unit_of_part(column: Column) -> Unit | None:
+    """The unit of a column that may be of parts of a second: what it says, or s where its name speaks of time."""
+    found = [unit for unit in units_spelt(column.unit_text) if unit.quantity == "time"]
+    return found[0] if found else unit_of("s", ("time",)) if "time" in column.heading.roles else None
+
+
+def are_parts(seen: Sequence[tuple[str, str]], unit_s: float) -> bool:
+    """Whether numbers beside times in whole seconds are parts of them: they rise until the second is another.
+
+    Parameters
+    ----------
+    seen : sequence of (str, str)
+        A time and the number beside it, row by row.
+    unit_s : float
+        What the numbers count.
+    """
+    try:
+        parts = np.array([float(part.replace(",", ".")) for _, part in seen]) * unit_s
+    except ValueError:
+        return False
+    if len(parts) < 2 or parts.min() < 0 or parts.max() >= 1 or any(_WITH_PARTS.search(clock) for clock, _ in seen):
+        return False
+    same = np.array([one[0] == next_one[0] for one, next_one in pairwise(seen)])
+    steps = np.diff(parts)
+    return bool((steps[same] > 0).all() and (steps < 0).any())
 
 
 def own_clocks(times: Sequence[Column], channels: Mapping[str, Column]) -> dict[str, Column] | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,14 +10,13 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.importing.choice import UNIT_FLAGS, Choice, Taken
-from testbench.importing.clocks import SUMMER_TIME_S, counters, on_one_clock, onward
+from testbench.importing.clocks import SUMMER_TIME_S, counters, on_one_clock, onward, unit_of_part
 from testbench.importing.layout import Column, shortened
 from testbench.importing.sheet import Sheet
+from testbench.importing.tables_below import begins_of, names_again
 from testbench.importing.trouble_words import unit_unknown
-from testbench.importing.vocabulary.headings import read_heading
-from testbench.importing.vocabulary.laboratory_units import OURS, Unit, conversion, plain_text, unit_of
+from testbench.importing.vocabulary.laboratory_units import OURS, Unit, conversion, unit_of
 from testbench.importing.vocabulary.notation import (
-    is_value,
     may_be_thousands,
     numbers,
     seconds,
@@ -29,8 +28,6 @@ from testbench.importing.vocabulary.notation import (
 
 if TYPE_CHECKING:
     import pandas as pd
-
-_LETTER = r"[^\W\d_eE]"  # of a word; e is one of numbers, too
 
 
 @dataclass(frozen=True)
@@ -51,6 +48,8 @@ class Read:
         What each role was taken from, with the conversion shown.
     notes : list of str
         What else was done.
+    begins : list of int
+        Entries before which the names stand once more in the file.
     """
 
     rows: np.ndarray
@@ -59,6 +58,7 @@ class Read:
     wrong: list[str]
     words: dict[str, str]
     notes: list[str]
+    begins: list[int]
 
 
 def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> Read:
@@ -77,12 +77,15 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
     frame, rows = frame[~blank], rows[~blank]
     if not len(rows):
         raise UserError(f"{sheet.path}: there is nothing below the header in row {sheet.layout.first_row - 1}")
-    _check_one_table(sheet, [one.column for one in choice.taken.values()], frame, rows)
-    read = Read(rows, {}, {}, [], {}, [])
+    between = names_again(sheet, choice, frame, rows)
+    read = Read(rows[~between], {}, {}, [], {}, [], begins_of(between))
+    if between.any():
+        read.notes.append(f"no samples: row {rows[between.argmax()]} and others, where the names stand once more")
+        frame = frame[~between]
     for role, one in choice.taken.items():
         cells = frame[one.column.number]
         if one.unit is None:
-            found = _moments(one, cells, frame, read)
+            found = _moments(one, cells, frame, read) + _parts(one, frame, sheet.decimal, read)
         else:
             plain, wrong = _numbers(one, cells, sheet.decimal, thousands)
             read.words[role] = _in_words(one, plain)
@@ -135,52 +138,22 @@ def _moments(one: Taken, cells: pd.Series, frame: pd.DataFrame, read: Read) -> n
     return _onward(found, SUMMER_TIME_S, one.column, read)
 
 
+def _parts(one: Taken, frame: pd.DataFrame, decimal: str, read: Read) -> np.ndarray | float:
+    """The parts of a second that stand beside dates and times, in s; 0 where none do."""
+    unit = unit_of_part(one.part) if one.part else None
+    if one.part is None or unit is None:
+        return 0.0
+    parts_s = unit.converted(numbers(frame[one.part.number], decimal)[0])
+    good = (parts_s >= 0) & (parts_s < 1)
+    read.words[one.role] += f", with the parts of a second in {one.part.label}"
+    _note(read, one.part, frame[one.part.number], None if good.all() else int(good.argmin()), "a part of a second")
+    return np.where(good, parts_s, np.nan)
+
+
 def _onward(times: np.ndarray, periods: Mapping[float, str], column: Column, read: Read) -> np.ndarray:
     times, said = onward(times, periods, read.rows)
     read.notes.extend([f"{column.label} {said}"] if said else [])
     return times
-
-
-def _check_one_table(sheet: Sheet, columns: Sequence[Column], frame: pd.DataFrame, rows: np.ndarray) -> None:
-    """Rows below other names or other units are not of this table, whatever else is left out."""
-    speaking, worded = np.zeros(len(rows), dtype=int), np.zeros(len(rows), dtype=int)
-    for column in columns:
-        cells = frame[column.number]
-        if cells.dtype.kind not in "fiumM":
-            text = cells.astype("string").str.strip()
-            lettered = text[text.str.contains(_LETTER, na=False)].unique()
-            words = [word for word in lettered if not is_value(word)]
-            worded += text.isin(words).to_numpy(dtype=bool)
-            speaking += text.isin([word for word in words if _is_another_name(word, column)]).to_numpy(dtype=bool)
-    taken = frame[[column.number for column in columns]]
-    filled = taken.notna().sum(axis=1).to_numpy()
-    if sheet.separator != " ":  # which parts the words of a remark, too
-        full = np.flatnonzero((worded == len(columns)) & (speaking == 0))
-        full = full[~taken.iloc[full].duplicated().to_numpy()]
-        speaking[full[[_are_names(taken.iloc[row], columns) for row in full]]] = 1
-    again = np.flatnonzero((speaking > 1) | ((speaking > 0) & (worded > 1) & (worded == filled)))
-    if again.size:
-        names = ", ".join(map(str, taken.iloc[again[0]].dropna()))
-        raise UserError(
-            f"{sheet.path}: row {rows[again[0]]} has other names or units ({shortened(names)}), so another table "
-            "begins there: end the file before it, or part it into one file each"
-        )
-
-
-def _are_names(cells: pd.Series, columns: Sequence[Column]) -> bool:
-    """Whether words in every column are names, if only ones that say nothing to us: all differ, and from ours."""
-    words = {str(cell).strip() for cell in cells}
-    return len(words) == len(columns) and not any(_is_ours(word, column) for word in words for column in columns)
-
-
-def _is_another_name(text: str, column: Column) -> bool:
-    heading = read_heading(text)
-    return not _is_ours(text, column) and bool(heading.roles or heading.unit_text)
-
-
-def _is_ours(text: str, column: Column) -> bool:
-    """Whether a text is the name or the unit of a column, once more."""
-    return plain_text(text) == plain_text(column.heading.text) or text.strip("[](){}<> ") == column.unit_text
 
 
 def previewed(sheet: Sheet, choice: Choice, thousands: str | None = None) -> dict[str, str]:

@@ -7,6 +7,7 @@ Step by step: how the file is written (`sheet`, `layout`), which column is what 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,8 @@ from gcode.support.strict import check_plain
 from testbench.importing.choice import ELECTRICAL, FLAGS, NAMED, Choice
 from testbench.importing.choosing import choose
 from testbench.importing.columns import Read, on_main_clock, read_columns
+from testbench.importing.files import first_bytes, json_file, page_file
+from testbench.importing.files.cells import sheet_of
 from testbench.importing.imported import Imported
 from testbench.importing.layout import Column, misfit
 from testbench.importing.rows import (
@@ -27,10 +30,13 @@ from testbench.importing.rows import (
     labels_in,
     mostly_one_gap,
     repeats_of,
+    restarts,
+    runs_of,
     usable,
     zero_set_anew,
 )
 from testbench.importing.sheet import Hints, Sheet
+from testbench.importing.side_by_side import specimens
 from testbench.importing.signs import doubts, gauge_doubts, turned, zeroed
 from testbench.importing.tables_above import left_out, passed_over
 from testbench.importing.trouble_words import idle_words, in_words
@@ -43,7 +49,6 @@ from testbench.recordings.csv_columns import MOST_BYTES
 from testbench.recordings.doubts import slow
 from testbench.recordings.recording import Recording
 
-WORKBOOKS = (".xlsx", ".xlsm")
 MANY_TIMES = 6.0  # R0; a change of 5 % that was read as 5. Cracked films do go further, so it is only said
 
 # Channels, what their columns are measured in, and the roles that give one.
@@ -57,11 +62,19 @@ CHANNELS = (
 def look(path: Path, wish: Wish) -> tuple[Sheet, Choice]:
     """What the file looks like, and what each column would be taken for, troubles included.
 
+    Of specimens side by side, it is the one that `wish` names, or the first.
+
     Raises
     ------
     UserError
         If the file cannot be read, or a column or unit that `wish` names is not there.
     """
+    _, sheet, choice = _looked_at(path, wish)[0]
+    return sheet, choice
+
+
+def _looked_at(path: Path, wish: Wish) -> list[tuple[str, Sheet, Choice]]:
+    """As `look`, for each specimen with its number."""
     sheet = _opened(path, wish.names(), wish.hints)
     if shifted := misfit(sheet.head, sheet.layout, whole_names=sheet.separator == "\t"):
         raise UserError(
@@ -71,37 +84,48 @@ def look(path: Path, wish: Wish) -> tuple[Sheet, Choice]:
     if not wish.hints.header_row and (lost := left_out(sheet.head, sheet.layout)):
         raise UserError(f"{path}: {lost}")
     try:
-        choice = choose(sheet.layout, sheet.head, wish)
+        found = [
+            (label, replace(sheet, layout=layout), choose(layout, sheet.head, wish))
+            for label, layout in specimens(sheet.layout, wish)
+        ]
     except UserError as error:
         raise UserError(f"{path}: {error}") from None
-    choice.notes += passed_over(sheet.head, sheet.layout)
-    return sheet, choice
+    for _, one, choice in found:
+        choice.notes += passed_over(one.head, one.layout)
+    return found
 
 
 def _opened(path: Path, wanted: Sequence[str], hints: Hints) -> Sheet:
-    """Read the top of a file and find its layout: Excel and TDMS by the ending of its name, anything else as text.
+    """Read the top of a file and find its layout.
 
     Raises
     ------
     UserError
         If it cannot be read, or has no numbers.
     """
-    kind = path.suffix.lower()
-    if kind == ".xls":
-        raise UserError(f"{path}: the old Excel format; open it in Excel or LibreOffice and save it as .xlsx")
     check_plain(path, "table", MOST_BYTES)
-    if hints.sheet and kind not in (*WORKBOOKS, ".tdms"):
-        raise UserError(
-            f"`sheet` is of a workbook or a TDMS file, which this is not; leave it out, got {hints.sheet!r}"
-        )
-    if kind in WORKBOOKS:
+    kind = first_bytes.kind_of(path)
+    if kind == first_bytes.WORKBOOK:
         from testbench.importing.files.excel_file import open_excel
 
         return open_excel(path, wanted, hints)
-    if kind == ".tdms":
+    if kind == first_bytes.TDMS:
         from testbench.importing.files.tdms_file import open_tdms
 
         return open_tdms(path, hints)
+    if kind == first_bytes.PAGE:
+        return sheet_of(path, page_file.tables_in(path, hints.encoding), wanted, hints)
+    if kind == first_bytes.JSON and (tables := json_file.tables_in(path, hints.encoding)):
+        return sheet_of(path, tables, wanted, hints, named=True)
+    if hints.sheet:
+        raise UserError(
+            "`sheet` is of a workbook or a TDMS file (or HTML, JSON), which this is not; leave it out, "
+            f"got {hints.sheet!r}"
+        )
+    if kind == first_bytes.PARQUET:
+        from testbench.importing.files.parquet_file import open_parquet
+
+        return open_parquet(path)
     from testbench.importing.files.text_file import open_text
 
     return open_text(path, wanted, hints)
@@ -116,10 +140,20 @@ def import_file(path: Path, wish: Wish) -> list[Imported]:
         If a column or its unit is not clear, or a row cannot be used and `wish` does not say to drop it. The message
         names file, row and remedy.
     """
-    sheet, choice = look(path, wish)
+    found = _looked_at(path, wish)
+    if found[0][0]:  # the number of a specimen, which is the repeat that was named
+        wish = replace(wish, repeat=None)
+    return [one for specimen in found for one in _of_one(*specimen, wish)]
+
+
+def _of_one(specimen: str, sheet: Sheet, choice: Choice, wish: Wish) -> list[Imported]:
+    path = sheet.path
     if choice.troubles:
         first = sheet.head[sheet.layout.first_row - 1]
-        raise UserError(f"{path}: {in_words(choice.troubles, sheet.layout, first)}")
+        said = [in_words(choice.troubles, sheet.layout, first)]
+        if any(trouble.kind == "absent" for trouble in choice.troubles):
+            said += _overlooked(choice, wish)
+        raise UserError(f"{path}: {'; '.join(said)}")
     if idle := idle_words(choice, wish):
         raise UserError(f"{path}: {idle}")
     if wish.gauge_length_mm is None and STRETCH & set(choice.taken):
@@ -142,7 +176,10 @@ def import_file(path: Path, wish: Wish) -> list[Imported]:
             f"{path}: the clocks do not overlap: at no time of {labels['time']} is there a sample of every one of "
             f"{others}; see --time-of, or leave one of them out with none"
         )
-    return [_recorded(sheet, choice, wish, read, time_s, rows[inside[rows]], label) for label, rows in parts]
+    return [
+        _recorded(sheet, choice, wish, read, time_s, rows[inside[rows]], "-".join(filter(None, (specimen, label))))
+        for label, rows in parts
+    ]
 
 
 def _at_rate(sheet: Sheet, read: Read, rate_hz: float) -> np.ndarray:
@@ -155,24 +192,28 @@ def _at_rate(sheet: Sheet, read: Read, rate_hz: float) -> np.ndarray:
 
 
 def _parts(sheet: Sheet, choice: Choice, wish: Wish, read: Read, time_s: np.ndarray) -> list[tuple[str, np.ndarray]]:
-    """The repeats that a column numbers, where the time starts again with each; else the whole."""
-    whole = [("", np.arange(len(time_s)))]
-    if wish.repeat is None and (wish.sort or not (np.diff(time_s) < 0).any()):
-        return whole
-    counters = [column for column in choice.unused if counts_repeats(column.heading.base)]
-    for column in counters:
-        frame = sheet.body([column.number])
-        labels = labels_in(frame[column.number], sheet.decimal)
-        parts = repeats_of(labels[read.rows - sheet.layout.first_row], time_s)
-        if parts and wish.repeat is None:
-            return parts
-        chosen = [part for part in parts if part[0] == str(wish.repeat)]
-        if chosen:
-            return chosen
+    """The repeats that a column numbers, where the time starts again with each, or below names; else the whole.
+
+    Where nothing but the time tells them, they are repeats for who names one.
+    """
+    found = _numbered(sheet, choice, read, time_s) if wish.repeat is not None or not wish.sort else []
+    found = found or runs_of(read.begins, time_s)
     if wish.repeat is None:
-        return whole
-    none = f"no repeat {wish.repeat} with a time of its own" if counters else "no column numbers repeats"
-    raise UserError(f"{sheet.path}: {none}; leave --repeat out")
+        return found or [("", np.arange(len(time_s)))]
+    found = found or runs_of(restarts(time_s), time_s)
+    if chosen := [part for part in found if part[0] == str(wish.repeat)]:
+        return chosen
+    numbers = f"; it has {', '.join(label for label, _ in found)}" if found else " with a time of its own"
+    raise UserError(f"{sheet.path}: no repeat {wish.repeat}{numbers}; leave --repeat out")
+
+
+def _numbered(sheet: Sheet, choice: Choice, read: Read, time_s: np.ndarray) -> list[tuple[str, np.ndarray]]:
+    if (np.diff(time_s) < 0).any():
+        for column in (column for column in choice.unused if counts_repeats(column.heading.base)):
+            labels = labels_in(sheet.body([column.number])[column.number], sheet.decimal)
+            if parts := repeats_of(labels[read.rows - sheet.layout.first_row], time_s):
+                return parts
+    return []
 
 
 def _recorded(
@@ -259,6 +300,7 @@ def _details(sheet: Sheet, choice: Choice, wish: Wish, done: Imported) -> dict[s
         }
         | ({"clock": _named(one.clock)} if one.clock else {})
         | ({"days": _named(one.days)} if one.days else {})
+        | ({"part": _named(one.part)} if one.part else {})
         | ({"units": _named(one.units)} if one.units else {})
         for role, one in choice.taken.items()
     }

@@ -244,7 +244,13 @@ def _above(rows: Rows, start: int, width: int) -> list[int]:
 
 def _speaks(cells: Sequence[str]) -> bool:
     """Whether a row with gaps is one of names or units all the same."""
-    return _is_units(cells) or sum(bool(read_heading(cell).roles) for cell in cells) > 1
+    return _is_units(cells) or _names_in(cells) > 1
+
+
+def _names_in(cells: Sequence[str]) -> int:
+    """How many cells are names of what we look for, or have a unit behind them."""
+    heads = [read_heading(cell) for cell in cells]
+    return sum(bool(head.roles or (head.base and units_spelt(head.unit_text))) for head in heads)
 
 
 def _is_units(cells: Sequence[str]) -> bool:
@@ -252,7 +258,8 @@ def _is_units(cells: Sequence[str]) -> bool:
     filled = [cell.strip() for cell in cells if cell.strip()]
     # In a row of units, s is no displacement.
     known = [cell for cell in filled if cell == "s" or (units_spelt(cell) and not read_heading(cell).base)]
-    return bool(words_in(known)) and 2 * len(known) >= len(filled)
+    others = [cell for cell in filled if cell not in known]
+    return bool(words_in(known)) and len(known) >= len(others) and _names_in(others) < 2
 
 
 def names_above(rows: Rows, start: int, width: int) -> int | None:
@@ -338,8 +345,9 @@ def column_of(layout: Layout, text: str) -> Column:
         if same:
             where = " and ".join(str(column.number) for column in same)
             raise UserError(f"the columns {where} are both called {text!r}; say which by its number")
-    if text.strip().isdigit() and 1 <= int(text) <= len(layout.columns):
-        return layout.columns[int(text) - 1]
+    for column in layout.columns:
+        if text.strip() == str(column.number):
+            return column
     raise UserError(f"no column {text!r}; {described(layout)}")
 
 

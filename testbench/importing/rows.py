@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -123,14 +123,16 @@ def in_order(path: Path, rows: np.ndarray, time_s: np.ndarray, sort: bool) -> tu
     steps = np.diff(time_s)
     if (steps > 0).all():
         return np.arange(len(time_s)), 0, 0
-    again, at = _restart(time_s), int(np.flatnonzero(steps <= 0)[0]) + 1
+    again, at = restarts(time_s), int(np.flatnonzero(steps <= 0)[0]) + 1
     if again or not sort:
-        at = again or at
         remedy = _for_order(time_s)
         if again:
+            at = again[0]
             remedy = (
                 "the time starts again there, so the file holds several recordings, or its clock was set back: "
-                "part it into one file each" + " (--sort would put the rows of one between those of the other)" * sort
+                f"--repeat N (1 to {len(again) + 1}) takes one, or part it into one file each"
+                + " (--sort would put the rows of one between those of the other)"
+                * sort
             )
         raise UserError(
             f"{path}: row {rows[at]}: time must increase, got {time_s[at]:g} s after {time_s[at - 1]:g} s; {remedy}"
@@ -165,14 +167,13 @@ def _for_order(time_s: np.ndarray) -> str:
     )
 
 
-def _restart(time_s: np.ndarray) -> int:
-    """Where the time falls far back and rises from there among the times before, or far from them all; else 0.
+def restarts(time_s: np.ndarray) -> list[int]:
+    """Where the time falls far back and rises from there among the times before, or far from them all.
 
     Rows that are but out of order, as they were written late, leave a gap behind them, into which they fit.
     """
-    steps = np.diff(time_s)
-    falls = np.flatnonzero(steps < 0) + 1
-    far = FAR * float(np.median(steps[steps > 0])) if (steps > 0).any() else np.inf
+    found = []
+    falls, far = np.flatnonzero(np.diff(time_s) < 0) + 1, _far(time_s)
     for begin, at, end in zip([0, *falls], falls, [*falls[1:], len(time_s)], strict=False):
         before, behind = time_s[begin:at], time_s[at:end]
         behind = behind[behind <= before[-1]]
@@ -180,8 +181,39 @@ def _restart(time_s: np.ndarray) -> int:
             between = before[(before > behind[0]) & (before < behind[-1])]
             away = np.min([np.abs(before - end_s).min() for end_s in (behind[0], behind[-1])])
             if len(between) or away > far:
-                return int(at)
-    return 0
+                found.append(int(at))
+    return found
+
+
+def _far(time_s: np.ndarray) -> float:
+    steps = np.diff(time_s)
+    return FAR * float(np.median(steps[steps > 0])) if (steps > 0).any() else np.inf
+
+
+def runs_of(begins: Sequence[int], time_s: np.ndarray) -> list[tuple[str, np.ndarray]]:
+    """Runs by their number, where the names stand again below each and the time begins anew or after a pause.
+
+    Parameters
+    ----------
+    begins : sequence of int
+        Rows that follow on names.
+    time_s : ndarray, shape (n,)
+
+    Returns
+    -------
+    list of (label, rows)
+        Empty where the time goes on below all the names, as where they stand on every page.
+    """
+    there = np.flatnonzero(np.isfinite(time_s))
+    steps, far = np.diff(time_s[there]), _far(time_s[there])
+    after = np.searchsorted(there, begins)  # the first time at or below the names
+    new = [
+        begin
+        for begin, place in zip(begins, after, strict=True)
+        if 0 < place < len(there) and not 0 <= steps[place - 1] <= far
+    ]
+    parts = np.split(np.arange(len(time_s)), new)
+    return [(str(number), rows) for number, rows in enumerate(parts, 1)] if new else []
 
 
 def mostly_one_gap(time_s: np.ndarray, rows: np.ndarray) -> list[str]:

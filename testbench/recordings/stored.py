@@ -61,6 +61,7 @@ class ImportedColumn(StrictModel):
     offset: Finite = 0.0
     clock: Label | None = None
     days: Label | None = None
+    part: Label | None = None
     units: Label | None = None
 
 

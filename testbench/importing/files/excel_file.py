@@ -2,29 +2,23 @@
 
 from __future__ import annotations
 
-import datetime
 import re
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, BinaryIO
 from xml.etree.ElementTree import ParseError
 
-from gcode.support import kinds
 from gcode.support.errors import UserError
 from testbench.importing.files import unpacking
+from testbench.importing.files.cells import CellSheet, sheet_of
 from testbench.importing.files.unpacking import BROKEN, check_unpacked
-from testbench.importing.layout import Column, count_numbers, find_layout
-from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
+from testbench.importing.layout import Column
+from testbench.importing.sheet import Hints
 from testbench.importing.vocabulary.laboratory_units import units_spelt
-from testbench.importing.vocabulary.notation import decimal_sign, is_number
 
-if TYPE_CHECKING:
-    import pandas as pd
-
-Cells = Sequence[Any]
 # Of a number format: what is shown as it stands, colours, conditions.
 _LITERAL = re.compile(r'"([^"]*)"|\\(.)|\[[^\]]*\]')
 _BY_THOUSAND = re.compile(r"[0#?](,+)(?![0#?,])")  # a comma with no digit behind it
@@ -43,24 +37,7 @@ class _Scaled(float):
     shown_in: str
 
 
-@dataclass(frozen=True)
-class ExcelSheet(Sheet):
-    """One sheet of a workbook."""
-
-    rows: Sequence[Cells]
-
-    def body(self, numbers: Sequence[int]) -> pd.DataFrame:
-        """The columns with these numbers, from the first row of numbers on."""
-        import pandas as pd
-
-        rows = self.rows[self.layout.first_row - 1 :]
-        columns = {
-            number: [row[number - 1] if number <= len(row) else None for row in rows] for number in set(numbers)
-        }
-        return pd.DataFrame({number: _typed(cells) for number, cells in sorted(columns.items())})
-
-
-def open_excel(path: Path, wanted: Sequence[str], hints: Hints) -> ExcelSheet:
+def open_excel(path: Path, wanted: Sequence[str], hints: Hints) -> CellSheet:
     """Read a workbook; the sheet is the only one with a table, or the one that `hints` names.
 
     Raises
@@ -68,24 +45,10 @@ def open_excel(path: Path, wanted: Sequence[str], hints: Hints) -> ExcelSheet:
     UserError
         If it is no workbook, there is no such sheet, none has numbers, or several have and none was named.
     """
-    sheets = _read(path, hints.sheet)
-    found = {}
-    for name, rows in sheets.items():
-        head = [[_shown(cell) for cell in row] for row in rows[:HEAD_ROWS]]
-        layout = find_layout(head, wanted, hints.header_row, hints.units_row)
-        if layout and len(layout.columns) > 1:
-            found[name] = (head, layout, rows)
-    if not found:
-        raise UserError(f"{path}: no rows of numbers in {_sheets(sheets)}; see --header-row")
-    if len(found) > 1:  # a sheet of settings has no more than one number a row
-        found = {name: one for name, one in found.items() if count_numbers(one[0][one[1].first_row - 1]) > 1} or found
-    if len(found) > 1:
-        raise UserError(f"{path}: {_sheets(found)} have tables; say which one with --sheet NAME")
-    name, (head, layout, rows) = next(iter(found.items()))
-    body = rows[layout.first_row - 1 :]
-    layout = replace(layout, columns=tuple(_as_meant(column, body) for column in layout.columns))
-    decimal = hints.decimal_said or _decimal(path, body[:HEAD_ROWS])
-    return ExcelSheet(path, head, layout, decimal, "\t", {"sheet": name, "decimal": decimal}, rows)
+    sheet = sheet_of(path, _read(path, hints.sheet), wanted, hints)
+    body = sheet.rows[sheet.layout.first_row - 1 :]
+    columns = tuple(_as_meant(column, body) for column in sheet.layout.columns)
+    return replace(sheet, layout=replace(sheet.layout, columns=columns))
 
 
 def _as_meant(column: Column, rows: Sequence[list[Any]]) -> Column:
@@ -110,48 +73,33 @@ def _as_meant(column: Column, rows: Sequence[list[Any]]) -> Column:
     return replace(column, unit_text=f"{column.unit_text} shown in {others}".strip())
 
 
-def _decimal(path: Path, rows: Sequence[Cells]) -> str:
-    """The decimal sign of numbers that were stored as text; those that are numbers have none."""
-    texts = [cell for row in rows for cell in row if isinstance(cell, str)]
-    sign = decimal_sign(texts)
-    if sign is None:
-        seen = next(text for text in texts if is_number(text) and ("," in text or "." in text))
-        raise UserError(
-            f"{path}: cannot tell what the sign means in numbers stored as text such as {seen!r}; "
-            "say --decimal , or --decimal ."
-        )
-    return sign
-
-
-def _sheets(sheets: dict[str, Any]) -> str:
-    return f"the sheet{'s' if len(sheets) > 1 else ''} {', '.join(map(repr, sheets))}"
-
-
 def _read(path: Path, wanted: str | None) -> dict[str, list[list[Any]]]:
-    from openpyxl.reader.excel import ExcelReader
-    from openpyxl.utils.exceptions import InvalidFileException
-
     check_unpacked(path)
+    with path.open("rb") as stream:  # of a path, openpyxl believes the ending
+        book = _book(path, stream)
+        try:
+            names = [sheet.title for sheet in book.worksheets]
+            return {name: _rows(path, book[name]) if wanted in (None, name) else [] for name in names}
+        except UserError:
+            raise
+        except (*BROKEN, ParseError, KeyError, IndexError, TypeError) as error:
+            raise UserError(f"{path}: a workbook with broken parts ({error}); save it again as .xlsx") from None
+        finally:
+            book.close()
+
+
+def _book(path: Path, stream: BinaryIO) -> Any:
+    from openpyxl.reader.excel import ExcelReader
+
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of styles and extensions that are of no use here
-            reader = ExcelReader(path, read_only=True, data_only=True)
+            reader = ExcelReader(stream, read_only=True, data_only=True)
             reader.read_chartsheet = lambda *_: None  # which has no cells, and openpyxl fails where it is empty
             reader.read()
-            book = reader.wb
-    except (*BROKEN, InvalidFileException, ParseError, KeyError, TypeError, AttributeError) as error:
+            return reader.wb
+    except (*BROKEN, ParseError, KeyError, TypeError, AttributeError) as error:
         raise UserError(f"{path}: not an Excel workbook that can be read ({error}); save it again as .xlsx") from None
-    try:
-        names = [sheet.title for sheet in book.worksheets]
-        if wanted is not None and wanted not in names:
-            raise UserError(f"{path}: no sheet {wanted!r}; it has {', '.join(names)}")
-        return {name: _rows(path, book[name]) for name in ([wanted] if wanted is not None else names)}
-    except UserError:
-        raise
-    except (*BROKEN, ParseError, KeyError, IndexError, TypeError) as error:
-        raise UserError(f"{path}: a workbook with broken parts ({error}); save it again as .xlsx") from None
-    finally:
-        book.close()
 
 
 def _rows(path: Path, sheet: Any) -> list[list[Any]]:
@@ -192,25 +140,3 @@ def _shown_by(number_format: str) -> tuple[float, str]:
     if units_spelt(unit) and PER_CENT not in first:
         return factor, unit
     return factor, THOUSANDS if thousands else PER_CENT * per_cent
-
-
-def _shown(cell: Any) -> str:
-    if cell is None:
-        return ""
-    if isinstance(cell, datetime.datetime):
-        return cell.isoformat(sep=" ")
-    return str(cell).replace("\n", " ")
-
-
-def _typed(cells: list[Any]) -> pd.Series:
-    import pandas as pd
-
-    if all(cell is None or kinds.is_number(cell) for cell in cells):
-        return pd.Series(cells, dtype="float64")
-    if all(cell is None or isinstance(cell, datetime.datetime) for cell in cells):
-        return pd.to_datetime(pd.Series(cells))
-    if all(cell is None or isinstance(cell, datetime.timedelta) for cell in cells):
-        return pd.to_timedelta(pd.Series(cells))
-    return pd.Series(
-        [cell if cell is None or kinds.is_number(cell) else _shown(cell) for cell in cells], dtype=object
-    )

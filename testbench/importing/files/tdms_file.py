@@ -25,8 +25,8 @@ _UNIT_PROPERTIES = ("unit_string", "NI_UnitDescription", "Unit", "unit")
 
 
 @dataclass(frozen=True)
-class TdmsSheet(Sheet):
-    """Channels of a TDMS file side by side."""
+class ColumnSheet(Sheet):
+    """Columns of which each is there as a whole: the channels of a TDMS file side by side."""
 
     columns: Sequence[np.ndarray]
 
@@ -37,7 +37,7 @@ class TdmsSheet(Sheet):
         return pd.DataFrame({number: pd.Series(self.columns[number - 1]) for number in sorted(set(numbers))})
 
 
-def open_tdms(path: Path, hints: Hints) -> TdmsSheet:
+def open_tdms(path: Path, hints: Hints) -> ColumnSheet:
     """Read a TDMS file. A waveform's clock becomes a column of its own, left of the channels that it times.
 
     Raises
@@ -54,7 +54,7 @@ def open_tdms(path: Path, hints: Hints) -> TdmsSheet:
     if layout is None:
         raise UserError(f"{path}: no channel of it holds numbers")
     columns = [values for _, _, values in channels]
-    return TdmsSheet(path, head, layout, ".", "\t", {"group": hints.sheet or ""}, columns)
+    return ColumnSheet(path, head, layout, ".", "\t", {"group": hints.sheet or ""}, columns)
 
 
 def _channels(path: Path, group: str | None) -> list[Channel]:

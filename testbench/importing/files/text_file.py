@@ -183,7 +183,7 @@ class TextSheet(Sheet):
         """
         usual = len(self._typical)
         most = max(usual, len(self.layout.columns))
-        last = np.flatnonzero(frame.notna().any(axis=1)).max(initial=0)
+        last = max(np.flatnonzero(frame.notna().any(axis=1)).max(initial=0), *odd)
         places, counts = np.array(list(odd)), np.array([count for count, _ in odd.values()])
         found = {}
         for run in np.split(places, np.flatnonzero((np.diff(places) != 1) | (np.diff(counts) != 0)) + 1):

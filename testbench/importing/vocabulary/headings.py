@@ -23,6 +23,8 @@ _JOINED = re.compile(r"^(.*[^\W\d_A-Z])([A-Z]\w*)$")  # forceN, timeMs
 _PER_CENT = re.compile(r"^(.*?)\s*([%‰])$", re.S)
 _BEFORE = re.compile(r"^([%‰]|(?:per ?cent|prozent|pct)(?=[\s_]))[\s_]*(?:of\s+)?(?=\S)", re.I)  # % strain
 _MADE = re.compile(r"\.\.([^.]+)\.$")  # R makes Load..N. of Load (N), and MATLAB Load_N_
+_TWICE = re.compile(r"(?:(?<=[^\W\d])\.|(?<=[)\]])[._])\d{1,3}$")  # of names that stand twice, in pandas and R
+_COUNTED = re.compile(r"(?<=[^\W\d])[_ ][1-9]\d{0,2}$")  # time_s_2
 COMMENT = re.compile(r"^(?:#+|//+)\s*(?=\S)")
 _HIGH = "[⁰¹²³⁴-⁹⁻]"
 _TIMES = "(?:kilo|mega|milli|mi[ck]ro|centi|tenths?|hundredths?|thousandths?|zehntel|hundertstel|tausendstel)"
@@ -90,7 +92,7 @@ class Heading:
 def read_heading(text: str) -> Heading:
     """Part a header cell: ``Kraft [N]``, ``Weg / mm``, ``time_ms``, ``Load(Cell 1:Load) (N)``, ``# Zeit in s``."""
     plain = COMMENT.sub("", plain_text(text[:LONGEST]).strip("\"'").strip())
-    plain = _MADE.sub(r" (\1)", plain).rstrip("_").removesuffix("()")
+    plain = _TWICE.sub("", _MADE.sub(r" (\1)", plain).rstrip("_").removesuffix("()"))
     power = power_of_ten(plain)
     whole, unit_text = _unit_in_front(plain.replace(power, "", 1).strip() if power else plain)
     base = _without_brackets(whole)
@@ -112,7 +114,8 @@ def _unit_in_front(plain: str) -> tuple[str, str]:
         return _parted(plain)
     whole, unit_text = _parted(plain[before.end() :])
     if not unit_text:
-        return whole, before[1]
+        roles = roles_of(whole, whole)
+        return whole, before[1] if not roles or _RATIOS & set(roles) else ""  # % begins a comment of MATLAB
     ratio = any(unit.quantity == "ratio" for unit in units_spelt(unit_text))
     return whole, f"{before[1]} {unit_text}" if ratio else unit_text
 
@@ -154,6 +157,10 @@ def _tail(plain: str) -> tuple[str, str]:
         if end := _one_unit(ends, quantities):
             before, above = _tail(name)
             return (before, f"{above}/{end}") if above and not above.isdigit() else (name, end)
+    if (counted := _COUNTED.search(plain)) and not ratio_by_formula(plain):
+        before, end = _tail(plain[: counted.start()])
+        if end:
+            return f"{before}{counted[0]}", end
     stroke = _STROKE.match(plain)
     if stroke and roles_of(stroke[1], stroke[1]) and not ratio_by_formula(plain):
         return stroke[1], stroke[2]  # a unit that we cannot read

@@ -54,6 +54,9 @@ _DAY_AND_CLOCK = re.compile(r"^(.{1,30}?\d日?)[T ,]+((?:[01]?\d|2[0-3]):[0-5]\d
 _MIDNIGHT = re.compile(r"[T ]+0{1,2}:00(:00(\.0+)?)?$")
 _BEFORE_PARTS = re.compile(r"(:\d{2})(?:,(?=\d)|:(?=\d{3}(?!\d)))")  # 30,5 s; a third colon has ms behind it
 _ZONE = re.compile(r"(?<=[\dM.]) ([A-Z]{3,5})$")  # CET, behind digits or AM
+_WEEKDAY = re.compile(r"^(?:Mon|Tue|Wed|Thu|Fri|Sat|Sun),? +(?=\w)")
+_MONTH_FIRST = re.compile(rf"^({_MONTHS})[a-z]{{0,6}}\.? +(\d{{1,2}})(?:, ?| )(?:([\d:.]{{5,15}}) )?(\d{{4}})(?= |$)")
+_COMPACT = re.compile(r"^((?:19|20)\d\d)(\d\d)(\d\d)[T_ -](\d\d)(\d\d)(\d\d)(?:[._](\d{1,9}))?(?=Z?$)")
 HALF_DAY_S = 43_200.0
 MISSING = {"", "nan", "na", "n/a", "-", "--", "---", "null", "none", "inf", "-inf", "#n/a"}
 MISSING |= {
@@ -94,8 +97,13 @@ def units_apart(cells: pd.Series) -> tuple[pd.Series, pd.Series]:
 
 
 def _plain_when(cell: str) -> str:
-    """A date or time with seconds and a point before parts of them, and without the name of its zone."""
-    return _ZONE.sub("", _BEFORE_PARTS.sub(r"\1.", _BEFORE_HALF.sub(WHOLE_CLOCKS["h"], cell.strip())))
+    """A date or time with seconds and a point before parts of them, without the names of its zone and its weekday."""
+    cell = cell.strip()
+    if cell[:1].isalpha():  # Sat Mar 14 09:58:57 2026; Mar 14, 2026 09:58:57
+        cell = _MONTH_FIRST.sub(lambda found: " ".join(filter(None, found.group(2, 1, 4, 3))), _WEEKDAY.sub("", cell))
+    elif found := _COMPACT.match(cell):
+        cell = "{}-{}-{} {}:{}:{}.{}".format(*found.groups("0")) + cell[found.end() :]
+    return _ZONE.sub("", _BEFORE_PARTS.sub(r"\1.", _BEFORE_HALF.sub(WHOLE_CLOCKS["h"], cell)))
 
 
 def is_when(text: str) -> bool:

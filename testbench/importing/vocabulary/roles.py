@@ -45,7 +45,8 @@ _WHOLE = {
     "displacement": _words(
         "displacement displ disp extension ext elongation elong crosshead position pos stroke travel deflection "
         "distance extensometer deplacement allongement spostamento corsa allungamento desplazamiento alargamiento "
-        "deformation deslocamento alongamento verplaatsing verlenging przemieszczenie wydluzenie "
+        "deformation deformazione deformacion деформация deslocamento alongamento verplaatsing verlenging "
+        "przemieszczenie wydluzenie "
         "posunuti prodlouzeni forlangning forskjutning forlengelse forskyvning forlængelse uzama "
         "перемещение удлинение"
     ),
@@ -69,7 +70,7 @@ _PARTS = {
     ),
     "strain": _words("dehnung 应变 應變 ひずみ 歪み 변형률"),
     "force": _words("kraft 试验力 試驗力 拉力 载荷 載荷 荷重 负荷 負荷 力 하중 시험력"),
-    "resistance": _words("widerstand 电阻 電阻 抵抗 저항"),
+    "resistance": _words("widerstand 电阻 電阻 阻值 抵抗 저항"),
     "conductance": _words("leitwert 电导 電導 コンダクタンス 컨덕턴스"),
     "temperature": _words("temperatur 温度 溫度 온도"),
 }
@@ -117,7 +118,7 @@ _NOT_NOMINAL_PARTS = _words("quer wahre logarithm hencky 真 对数 對數 横 �
 _NOT_ALONE = _words("力矩 动力 動力 应力 應力 圧力 压力 壓力 入力 出力")
 _GENERIC = re.compile(
     r"^(ch(annel)?|kanal|(\w+/)?ai|analog(ue)?[ _]?in(put)?|sensor|signal|value|readings?|(mess)?wert|column|spalte|y"
-    r"|通道)?[ _#.:-]*\d*$",
+    r"|通道)?[ _#.:-]*\d*[ _]*(ave(rage)?\.?|avg|mean)?$",
     re.I,
 )
 _STROKED = str.maketrans("łŁ", "lL")  # a letter of its own, not an accent

@@ -57,7 +57,7 @@ class Columns:
                 choice = ui.select(options, value=hint if hint in options else "", label=label)
                 choice.style("width:140px")
                 choice.on_value_change(partial(self._hinted, name))
-            if self.choices.path.suffix.lower() in (".xlsx", ".xlsm", ".tdms"):
+            if self.choices.path.suffix.lower() in (".xlsx", ".xlsm", ".xls", ".tdms", ".html", ".json"):
                 sheet = ui.input("Sheet", value=str(self.choices.hints.get("sheet") or ""))
                 sheet.props("debounce=600").style("width:150px")
                 sheet.on_value_change(partial(self._hinted, "sheet"))

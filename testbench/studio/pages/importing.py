@@ -40,7 +40,7 @@ from testbench.studio.studio import Studio
 LARGEST_BYTES = 2_000_000_000
 REASONS = "(entries) => emit(entries.map(one => [one.failedPropValidation, one.file.name]))"
 FILE = 2  # in the command line of an import
-KINDS = ".csv,.txt,.tsv,.dat,.asc,.raw,.xlsx,.xlsm,.tdms"
+KINDS = ".csv,.txt,.tsv,.dat,.asc,.raw,.log,.lvm,.tra,.xlsx,.xlsm,.xls,.tdms,.parquet,.json,.jsonl,.html"
 
 
 @guarded

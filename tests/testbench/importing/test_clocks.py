@@ -131,7 +131,9 @@ def test_a_counter_of_microseconds_begins_anew_in_milliseconds_too(tmp_path):
 @pytest.mark.parametrize("sort", [False, True])
 def test_another_test_is_no_counter_that_begins_anew(tmp_path, sort):
     times = [60_000 + 100 * n for n in range(40)] + [5000 + 100 * n for n in range(40)]
-    with pytest.raises(UserError, match=r"row 42: .*several recordings, or its clock was set back: part it into one"):
+    with pytest.raises(
+        UserError, match=r"row 42: .*several recordings, .* set back: --repeat N \(1 to 2\) takes one"
+    ):
         import_csv(counted(tmp_path, times), Wish(40.0, sort=sort))
 
 

@@ -156,10 +156,10 @@ def test_a_row_of_results_among_the_samples_is_said(tmp_path):
 def test_names_and_units_once_more_are_no_other_table(tmp_path, again):
     """A row of the same units was said to be one of others, and so was a name behind the mark of a second file."""
     path = _lines(tmp_path / "lab.csv", *again, *ROWS[:20], *again, *ROWS[20:])
-    with pytest.raises(UserError, match="--drop-bad leaves such rows out"):
-        import_csv(path, Wish(40.0))
-    done = import_csv(path, Wish(40.0, drop_bad=True))
-    assert (done.dropped, len(done.recording)) == (len(again), 40)
+    done = import_csv(path, Wish(40.0))
+    assert (done.dropped, len(done.recording)) == (0, 40)
+    first = len(again) + 21
+    assert f"no samples: row {first} and others, where the names stand once more" in done.notes
     path = _lines(tmp_path / "lab.csv", *again, *ROWS[:20], "[s],[N],[mm]", *ROWS[20:])
     with pytest.raises(UserError, match="another table begins there"):
         import_csv(path, Wish(40.0, drop_bad=True))

@@ -199,10 +199,11 @@ def test_sort_puts_rows_in_order_and_drops_repeated_times(tmp_path):
     assert done.repeated == 1
 
 
-def test_a_binary_file_is_no_csv(tmp_path):
+@pytest.mark.parametrize(("begin", "what"), [(b"PK\x03\x04", "a zip archive"), (b"\x02\x03\x04", "not a text file")])
+def test_a_binary_file_is_no_csv(tmp_path, begin, what):
     path = tmp_path / "lab.csv"
-    path.write_bytes(b"PK\x03\x04\x00\x00t,x,F,R\x00" * 50)
-    with pytest.raises(UserError, match="not a text file"):
+    path.write_bytes((begin + b"\x00\x00t,x,F,R\x00") * 50)
+    with pytest.raises(UserError, match=what):
         import_csv(path, wish())
 
 

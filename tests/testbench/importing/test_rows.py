@@ -6,6 +6,7 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench.importing.files import text_file
+from testbench.importing.from_file import import_file
 from testbench.importing.wish import Wish
 from tests.testbench.importing.exports import import_csv
 
@@ -236,7 +237,6 @@ REMARKS = {
     "no values": "---,---,---",
     "a meter out of range for a while": "\n".join(["2.55,OL,OL"] * 12),
     "a row cut short": "2.55",
-    "the names once more": "Time (s),Displacement (mm),Force (N)",
 }
 
 
@@ -256,10 +256,8 @@ def test_a_row_between_others_is_a_row_that_cannot_be_used(tmp_path, name, place
 def test_the_same_names_above_a_second_test_do_not_hide_the_first(tmp_path):
     first, again = timed(*FIRST[:20]), timed(*FIRST, *[0.1 * n for n in range(40, 99)])
     path = written(tmp_path, f"Test 1\n{first}\nTest 2\n{again}")
-    with pytest.raises(UserError, match=r"row 24: Time \(s\) must be a number, got 'Test 2'"):
-        import_csv(path, Wish(40.0))
-    with pytest.raises(UserError, match=r"row 26: .*the time starts again there.*part it"):
-        import_csv(path, Wish(40.0, drop_bad=True))
+    done = import_file(path, Wish(40.0))
+    assert [(one.label, len(one.recording)) for one in done] == [("1", 20), ("2", len(FIRST) + 59)]
 
 
 def test_a_value_beyond_all_limits_is_named_by_its_row_in_the_file(tmp_path):

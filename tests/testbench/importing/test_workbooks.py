@@ -132,7 +132,7 @@ def test_a_chart_sheet_is_passed_over(tmp_path):
 
 @pytest.mark.parametrize("name", ["lab.xlsx", "lab.tdms", "lab.xls"])
 def test_what_only_has_the_name_of_a_workbook_is_a_sentence(tmp_path, name):
-    (tmp_path / name).write_text("t,x\n0,1\n")
+    (tmp_path / name).write_bytes(b"\1\0t,x\0\n\2\0,1\0\n")
     with pytest.raises(UserError, match=r"Excel|TDMS"):
         import_csv(tmp_path / name, Wish(40.0))
 
