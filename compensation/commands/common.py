@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from testbench.recordings.recording import Recording
 
 PICTURES = (".png", ".pdf", ".svg")
-# Wider or deeper networks than these have no place on a chip, and fill the memory instead.
-WIDEST, DEEPEST = 256, 8
 # Of r2: so much lost to gain and zero is worth a word.
 MUCH = 0.05
 DOUBTED = "was this sensor's reference recorded throughout, and without spikes?"
@@ -54,12 +52,18 @@ def read_all(args: argparse.Namespace, target: str) -> list[Recording]:
     return recordings
 
 
-def check_long_enough(source: str, compensator: TrainedCompensator, duration_s: float, what: str = "long") -> None:
+def check_long_enough(
+    source: str,
+    compensator: TrainedCompensator,
+    duration_s: float,
+    what: str = "long",
+    mend: str = "give a longer recording, or train with a smaller --factor or --count",
+) -> None:
     """Refuse a recording of which less was recorded than the slowest memory lasts: it is all beginning."""
     if duration_s < compensator.slowest_s:
         raise UserError(
             f"{source}: {duration_s:.1f} s {what}, the compensator's slowest memory has {compensator.slowest_s:.0f} "
-            "s; give a longer recording, or train with a smaller --factor or --count"
+            f"s; {mend}"
         )
 
 
@@ -196,6 +200,8 @@ def whole_numbers(text: str) -> tuple[int, ...]:
 
 def parse_sizes(text: str) -> tuple[int, ...]:
     """Hidden layers from ``4,2,2``."""
+    from compensation.engines.network import DEEPEST, WIDEST
+
     sizes = whole_numbers(text)
     if not (1 <= len(sizes) <= DEEPEST and all(1 <= size <= WIDEST for size in sizes)):
         raise UserError(

@@ -21,6 +21,8 @@ WORDS = {
     "UNSEEN_READING": "with a conductance that the training did not have: do not rely on them",
     "UNSEEN_HISTORY": "after a history that the training did not have, if only by a little",
 }
+WHAT_IS_GOOD = "of good samples (a positive resistance, times in order)"
+MEND = "mend time_s and resistance_ohm (`testbench import` has --sort and --drop-bad), or give a longer recording"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -53,8 +55,8 @@ def run(args: argparse.Namespace) -> int:
     time_s, resistance_ohm = read_samples(args.recording)
     found = predicted(compensator, time_s, resistance_ohm)
     good = found.status & int(Status.BAD_READING | Status.BAD_STEP) == 0  # the others repeat the last value
-    what = "long" if good.all() else "of good samples (a positive resistance, times in order)"
-    check_long_enough(args.recording, compensator, recorded_duration_s(time_s[good]) if good.any() else 0.0, what)
+    told = () if good.all() else (WHAT_IS_GOOD, f"{(~good).sum()} of {len(good)} are faulty: {MEND}")
+    check_long_enough(args.recording, compensator, recorded_duration_s(time_s[good]) if good.any() else 0.0, *told)
     say_slow(without_reference(args.recording, time_s[good], resistance_ohm[good]))
     frame = found.to_frame()
     with atomic_path(args.output) as temporary:

@@ -24,7 +24,7 @@ def run(args: argparse.Namespace) -> int:
 
     from compensation.model.files import load
     from compensation.scoring.scorecard import score_recordings
-    from compensation.series.preprocessing import check_apart, series_of
+    from compensation.series.preprocessing import apart, series_of
     from gcode.support.files import write_text
     from testbench.recordings.recording import recorded_duration_s
 
@@ -32,7 +32,7 @@ def run(args: argparse.Namespace) -> int:
     compensator = load(args.compensator)
     recordings = common.read_all(args, compensator.target)
     series = [series_of(recording, compensator.target, compensator.resampling_hz) for recording in recordings]
-    check_apart(series, "it would count several times; give each once")
+    apart(series, "it would count several times; give each once")
     for recording in recordings:
         common.check_long_enough(recording.source, compensator, recorded_duration_s(recording.time_s))
         common.say_if_unseen(compensator, recording.source, recording.conductance_S)

@@ -160,12 +160,12 @@ def _check(args: argparse.Namespace) -> None:
 
 
 def _from_data(args: argparse.Namespace, recordings: list[Recording], options: Options) -> TrainedCompensator:
-    from compensation.series.preprocessing import check_apart, series_of
+    from compensation.series.preprocessing import apart, series_of
     from compensation.training.training import METHODS, steps
     from gcode.support.console import Progress
 
     series = [series_of(recording, args.target, options.resampling_hz) for recording in recordings]
-    check_apart(series, "give each recording once, or cross-validation would predict it from itself")
+    series = apart(series, "give each recording once, or cross-validation would predict it from itself")
     progress = Progress("training", steps(args.method, series, options))
     return METHODS[args.method](series, args.target, options, progress.step)
 

@@ -13,6 +13,8 @@ from gcode.support.arrays import FloatArray
 from gcode.support.read_only import Unchanging
 
 DEAD_SPREAD = 0.05
+# More units or hidden layers than these have no place on a chip, and fill the memory instead.
+WIDEST, DEEPEST = 256, 8
 
 
 @dataclass(frozen=True, eq=False)

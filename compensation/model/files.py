@@ -11,7 +11,7 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-from compensation.engines.network import Network
+from compensation.engines.network import DEEPEST, WIDEST, Network
 from compensation.memories.ema import SMALLEST_ALPHA
 from compensation.memories.history import SETTLE_S, History
 from compensation.model.compensator import Beginning, Scaling, Seen, TrainedCompensator
@@ -46,7 +46,7 @@ class _Scaling(_Strict):
 
 class _Network(_Strict):
     weights: list[list[list[_Number]]]
-    biases: list[list[_Number]]
+    biases: list[Annotated[list[_Number], Field(max_length=WIDEST)]] = Field(max_length=DEEPEST + 1)
 
 
 class _History(_Strict):

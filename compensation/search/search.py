@@ -12,7 +12,7 @@ from typing import Any
 from compensation.engines.engine import DEFAULT_L2, ENGINES
 from compensation.memories.ema import PAPER_RATE_HZ
 from compensation.search.search_space import Candidate
-from compensation.series.preprocessing import Series, check_apart, series_of
+from compensation.series.preprocessing import Series, apart, series_of
 from compensation.series.reading import check_tared, read_signals
 from compensation.series.score import error_of_two, r2
 from compensation.training.options import Options
@@ -58,7 +58,7 @@ def evaluate(task: Task, candidate: Candidate, seed: int) -> dict[str, Any]:
 
 def check(task: Task) -> None:
     """Read the recordings once, so that a bad one, or one twice, is refused before anything is started."""
-    check_apart(_series(task), "training, A and B are three recordings; give each once")
+    _series(task)
 
 
 @lru_cache(maxsize=2)
@@ -66,7 +66,8 @@ def _series(task: Task) -> list[Series]:
     recordings = [read_signals(path, task.gauge_length_mm) for path in task.recordings]
     for recording in recordings:
         check_tared(recording, task.target)
-    return [series_of(recording, task.target, PAPER_RATE_HZ) for recording in recordings]
+    series = [series_of(recording, task.target, PAPER_RATE_HZ) for recording in recordings]
+    return apart(series, "training, A and B are three recordings; give each once")
 
 
 @lru_cache(maxsize=8)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
-from testbench.recordings.doubts import slow
+from testbench.recordings.doubts import say_once, slow
 from testbench.recordings.recording import Recording, recorded_duration_s
 
 TARGETS = {"force": (FORCE, "N"), "displacement": (DISPLACEMENT, "mm")}
@@ -31,6 +31,7 @@ class Series:
     truth: FloatArray  # force (N) or displacement (mm)
     source: str  # where it came from
     passages: NDArray[np.uint64] = field(default_factory=lambda: np.empty(0, np.uint64))  # of the whole recording
+    passage_ends_s: FloatArray = field(default_factory=lambda: np.empty(0))
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -108,11 +109,12 @@ def sampled(recording: Recording, channel: str, rate_hz: float | None) -> Series
     """
     if rate_hz is not None and (said := slow(recording)):
         raise UserError(f"{recording.source}: {said} At {rate_hz:g} Hz nearly all of it would be straight lines")
-    gaps, passages = recording.gaps, passages_of(recording[RESISTANCE])
+    gaps, readings = recording.gaps, recording[RESISTANCE]
+    passages, ends_s = passages_of(readings), recording.time_s[PASSAGE - 1 :][moving(readings)]
     if rate_hz is not None:
         # Resistance is what was measured: interpolate it, then invert, as the paper does.
         recording = recording.resampled(rate_hz)
-    whole = Series(recording.time_s, recording.conductance_S, recording[channel], recording.source, passages)
+    whole = Series(recording.time_s, recording.conductance_S, recording[channel], recording.source, passages, ends_s)
     recorded = np.ones(len(whole), dtype=bool)
     for start_s, end_s in gaps:
         recorded &= (whole.time_s <= start_s) | (whole.time_s >= end_s)
@@ -125,17 +127,47 @@ def passages_of(readings: FloatArray) -> NDArray[np.uint64]:
     while length < PASSAGE:
         found = found[:-length] * np.uint64(pow(0x9E3779B97F4A7C15, length, 2**64)) + found[length:]
         length *= 2
+    return found[moving(readings)]
+
+
+def moving(readings: FloatArray) -> NDArray[np.bool_]:
+    """Which `PASSAGE` readings in a row are more than a rest, beginning with the first."""
     new = np.zeros(len(readings) + 1, dtype=int)
     new[3:] = np.cumsum((readings[2:] != readings[1:-1]) & (readings[2:] != readings[:-2]))
-    return found[new[PASSAGE:] - new[:-PASSAGE] >= LEAST_NEW]
+    return new[PASSAGE:] - new[:-PASSAGE] >= LEAST_NEW
 
 
-def check_apart(series: Sequence[Series], why: str) -> None:
-    """Refuse a recording that is given twice, or a part of it beside it; `why` is the end of the sentence."""
+def apart(series: Sequence[Series], why: str) -> list[Series]:
+    """The recordings, each without a beginning that it has in common with an earlier one.
+
+    Programs that begin alike, played on one simulated sensor from one seed, give the same samples until they part,
+    and these must not be learned from and predicted. A recording that is given twice, or another part of it beside
+    it, is refused; `why` is the end of the sentence.
+    """
+    found = []
     for count, one in enumerate(series):
-        for before in series[:count]:
-            if one.digest == before.digest or np.isin(one.passages, before.passages).any():
-                raise UserError(f"{one.source}: holds the same samples as {before.source}, or some of them; {why}")
+        new_from_s = max((_new_from_s(one, before, why) for before in series[:count]), default=-np.inf)
+        found.append(one.rows(np.flatnonzero(one.time_s > new_from_s)))
+    return found
+
+
+def _new_from_s(one: Series, before: Series, why: str) -> float:
+    """When it parts from another recording that began alike; both must go on."""
+    alike = one.digest == before.digest
+    if not alike and not np.isin(one.passages, before.passages).any():
+        return -np.inf
+    ends_s = [_last_shared_s(one, before), _last_shared_s(before, one)]
+    elapsed_s = [end_s - part.time_s[0] for end_s, part in zip(ends_s, (one, before), strict=True)]
+    left_s = [part.time_s[-1] - end_s for end_s, part in zip(ends_s, (one, before), strict=True)]
+    if alike or not np.isclose(*elapsed_s) or min(left_s) < SHORTEST_RECORDING_S:
+        raise UserError(f"{one.source}: holds the same samples as {before.source}, or some of them; {why}")
+    say_once(f"{one.source}: its first {elapsed_s[0]:.0f} s are those of {before.source}")
+    return ends_s[0]
+
+
+def _last_shared_s(one: Series, other: Series) -> float:
+    """When the last passage ends that another recording has as well."""
+    return float(np.max(one.passage_ends_s[np.isin(one.passages, other.passages)], initial=-np.inf))
 
 
 def stands_still(values: FloatArray) -> bool:

@@ -51,6 +51,8 @@ def place(recordings, tmp_path_factory):
             "recipe.recalibrated.0.marks.0",
         ),
         (("networks", 0, "weights", 0, 0), [1.0], "a layer has rows of weights of different lengths"),
+        (("networks", 0, "biases"), [[0.0]] * 20_001, "networks.0.biases: List should have at most 9 items"),
+        (("networks", 0, "biases", 0), [0.0] * 257, "networks.0.biases.0: List should have at most 256 items"),
     ],
     ids=lambda one: ".".join(map(str, one)) if isinstance(one, tuple) else "",
 )

@@ -268,7 +268,9 @@ def test_what_has_no_good_sample_is_not_predicted(compensator, recordings, tmp_p
     frame = frame.assign(resistance_ohm=np.nan) if fault == "no reading" else frame[::-1]
     frame.to_csv(tmp_path / "r.csv", index=False)
     assert main(predicting(tmp_path)) == 2
-    assert "r.csv: 0.0 s of good samples (a positive resistance, times in order)" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "r.csv: 0.0 s of good samples (a positive resistance, times in order)" in said
+    assert "are faulty: mend time_s and resistance_ohm (`testbench import` has --sort and --drop-bad)" in said
 
 
 def test_a_clock_in_milliseconds_is_asked_about(compensator, recordings, tmp_path, caplog, monkeypatch):

@@ -109,7 +109,7 @@ def test_what_two_sweeps_at_a_time_have_written_counts_once(task, tmp_path):
 def test_results_of_other_recordings_of_the_same_names_are_refused(recordings, tmp_path):
     task = task_of(recordings, 20.0, tmp_path)
     search.sweep(task, [], tmp_path / "s.jsonl")
-    task_of([recordings[0], recordings[1], recordings[0]], 20.0, tmp_path)
+    task_of([recordings[1], recordings[0], recordings[2]], 20.0, tmp_path)
     search._series.cache_clear()  # as in another process
     with pytest.raises(UserError, match="other recordings, target or engine"):
         search.sweep(task, [], tmp_path / "s.jsonl")

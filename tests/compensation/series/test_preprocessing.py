@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compensation.series.preprocessing import series_of
+from compensation.series.preprocessing import apart, series_of
 from gcode.support.errors import UserError
 from testbench.recordings.recording import recorded_duration_s, recorded_time_s
 from tests.compensation.conftest import paused
@@ -30,3 +30,24 @@ def test_a_clock_in_milliseconds_is_asked_about_and_not_learned_from(recordings)
     late = replace(recordings[0], time_s=1000.0 * recordings[0].time_s)
     with pytest.raises(UserError, match=r"one sample in .* is its time in s\? At 20 Hz nearly all of it"):
         series_of(late, "force", 20.0)
+
+
+def test_of_recordings_that_begin_alike_the_beginning_is_learned_once(recordings, caplog):
+    """Two programs with one break-in, played on a simulated sensor from one seed: refused as one recording twice."""
+    first, other = recordings[:2]
+    rows = first.time_s < 60.0
+    branched = replace(
+        first,
+        channels={name: np.where(rows, first[name], other[name][: len(rows)]) for name in first.channels},
+        source="branched",
+    )
+    one, two = (series_of(recording, "force", 20.0) for recording in (first, branched))
+    for given in ([one, two], [two, one]):
+        kept = apart(given, "give each once")
+        assert kept[0].digest == given[0].digest
+        assert kept[1].time_s[0] == pytest.approx(60.0, abs=0.1)
+        assert kept[1].time_s[-1] == given[1].time_s[-1]
+    assert "branched: its first 60 s are those of simulated-1" in caplog.text
+    for part in (branched.between(0.0, 65.0), branched.between(20.0, 120.0)):
+        with pytest.raises(UserError, match=r"holds the same samples as simulated-1, .*; give each once$"):
+            apart([one, series_of(replace(part, source="a part"), "force", 20.0)], "give each once")
