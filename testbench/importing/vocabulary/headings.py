@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 from testbench.importing.vocabulary.laboratory_units import PREFIX, Unit, plain_text, unit_of, units_spelt
 from testbench.importing.vocabulary.relative import ratio_by_formula
@@ -147,6 +148,7 @@ def _may_be_a_unit(inside: str, name: str) -> bool:
     return bool(units_spelt(inside)) or (0 < len(inside) <= 6 and not re.search(r"\d|\s", inside))
 
 
+@lru_cache(4096)  # the names before all ends are beginnings of one: without it, the ways through them would multiply
 def _tail(plain: str) -> tuple[str, str]:
     """A unit behind a stroke, a comma, an underscore or a blank: one that suits the name before it.
 
