@@ -115,8 +115,8 @@ def _unit_in_front(plain: str) -> tuple[str, str]:
         return _parted(plain)
     whole, unit_text = _parted(plain[before.end() :])
     if not unit_text:
-        roles = roles_of(whole, whole)
-        return whole, before[1] if not roles or _RATIOS & set(roles) else ""  # % begins a comment of MATLAB
+        comment = before[0] == "%" and roles_of(whole, whole).keys() - _RATIOS  # of MATLAB, as in %t x F
+        return whole, "" if comment else before[1]
     ratio = any(unit.quantity == "ratio" for unit in units_spelt(unit_text))
     return whole, f"{before[1]} {unit_text}" if ratio else unit_text
 
