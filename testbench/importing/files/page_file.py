@@ -10,7 +10,7 @@ from gcode.support.strict import read_bytes
 from testbench.importing.files.cells import Rows, check_size
 from testbench.importing.files.encodings import encoding_of, known_encoding
 
-_TAG = re.compile(r"<(/?)(\w+)([^<>]*)>")
+_TAG = re.compile(r"<(/?)([A-Za-z]\w{0,9})(?!\w)([^<>]*)>")
 _WIDE = re.compile(r"\bcolspan\s*=\s*[\"']?(\d{1,3})\b", re.I)
 
 

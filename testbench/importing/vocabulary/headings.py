@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 from testbench.importing.vocabulary.laboratory_units import PREFIX, Unit, plain_text, unit_of, units_spelt
 from testbench.importing.vocabulary.relative import ratio_by_formula
@@ -114,8 +115,8 @@ def _unit_in_front(plain: str) -> tuple[str, str]:
         return _parted(plain)
     whole, unit_text = _parted(plain[before.end() :])
     if not unit_text:
-        roles = roles_of(whole, whole)
-        return whole, before[1] if not roles or _RATIOS & set(roles) else ""  # % begins a comment of MATLAB
+        comment = before[0] == "%" and roles_of(whole, whole).keys() - _RATIOS  # of MATLAB, as in %t x F
+        return whole, "" if comment else before[1]
     ratio = any(unit.quantity == "ratio" for unit in units_spelt(unit_text))
     return whole, f"{before[1]} {unit_text}" if ratio else unit_text
 
@@ -147,6 +148,7 @@ def _may_be_a_unit(inside: str, name: str) -> bool:
     return bool(units_spelt(inside)) or (0 < len(inside) <= 6 and not re.search(r"\d|\s", inside))
 
 
+@lru_cache(4096)  # the names before all ends are beginnings of one: without it, the ways through them would multiply
 def _tail(plain: str) -> tuple[str, str]:
     """A unit behind a stroke, a comma, an underscore or a blank: one that suits the name before it.
 

@@ -133,6 +133,7 @@ def test_of_several_tables_one_is_chosen(tmp_path):
 
 HOSTILE = {
     "open tags": "<table>" + "<td" * 300_000,
+    "one long tag": "<table><" + "a" * 300_000,
     "wide cells": "<html><table><tr>" + "<td colspan=999>" * 30_000,
     "tables in tables": "<html>" + "<table><tr><td>" * 50_000,
     "deep lists": "[" * 300_000,

@@ -15,6 +15,7 @@ from gcode.support.errors import UserError
 from testbench.cli import main
 from testbench.importing.files import unpacking
 from testbench.importing.files.unpacking import check_unpacked
+from testbench.importing.vocabulary.headings import read_heading
 from testbench.importing.wish import Wish
 from tests.fuzz.targets import no_hang
 from tests.testbench.importing import exports
@@ -134,3 +135,10 @@ def test_an_archive_of_numbers_is_no_table(tmp_path, capsys, name):
     code = main(["import", str(tmp_path / name), "--gauge-length-mm", "25", "-o", str(tmp_path / "out")])
     assert code == 2
     assert name in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("part", ["aB_1", "dR_1", "kN 1 ", "mA1_1", "Time_s_1_"])
+def test_a_name_of_many_ends_is_read_in_no_time(part):
+    """Each end may be a unit; the ways through forty letters of them took minutes."""
+    with no_hang():
+        assert read_heading(part * 75).text
