@@ -104,7 +104,7 @@ class Compensator(RegressorMixin, BaseEstimator):
         self._check_parameters()
         X, y = validate_data(self, X, y, dtype=np.float64, y_numeric=True, ensure_min_samples=2)
         for name, values in (("X", X), ("y", y)):
-            largest = np.abs(values).max()
+            largest = float(np.abs(values).max())  # a float32 cannot be compared with 1e100
             if largest != 0 and not LEAST <= largest <= MOST:
                 raise ValueError(
                     f"{name} is as large as {largest:.3g}, and {LEAST:g} to {MOST:g} can be squared; rescale it"

@@ -9,11 +9,13 @@ import numpy as np
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
+from testbench.recordings.checks import LONGEST_GAUGE_MM
 from testbench.recordings.csv_columns import as_numbers, read_columns, read_frame
 from testbench.recordings.files import check_beside, read_recording, verified
 from testbench.recordings.recording import Recording
 
-UNKNOWN_LENGTH_MM = 1.0
+# The longest that a recording may have, so that no displacement is refused as a stretch of it.
+UNKNOWN_LENGTH_MM = LONGEST_GAUGE_MM
 
 
 def read_signals(path: str | Path, gauge_length_mm: float | None = None) -> Recording:

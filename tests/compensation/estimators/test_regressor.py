@@ -108,6 +108,14 @@ def test_units_whose_squares_no_float_holds_are_refused(rows, factor):
             Compensator(method="ridge").fit(*wrong)
 
 
+@pytest.mark.filterwarnings("error")
+def test_single_precision_is_learned_without_a_warning(rows):
+    """Of a target in float32 numpy said "overflow encountered in cast", of our own limit."""
+    X, y, _ = rows
+    fitted = Compensator(method="paper").fit(X[:1200].astype(np.float32), y[:1200].astype(np.float32))
+    assert fitted.score(X[:1200], y[:1200]) > 0.5
+
+
 def test_a_slow_logger_learns_the_same(rows):
     """A sample an hour: memories last as many samples as at 1 Hz, and the stream takes every one."""
     X, y, labels = rows

@@ -145,6 +145,14 @@ def test_a_missing_channel_is_named(recordings, drop, target, match):
         train([replace(recordings[0], channels=channels)], target, QUICK)
 
 
+def test_a_stretch_of_some_centimetres_needs_no_gauge_length(recordings, tmp_path):
+    """A displacement beyond 20 mm was refused as a strain of more than 2,000 % of a length that nobody gave."""
+    long = {**recordings[0].channels, "displacement_mm": 10 * recordings[0]["displacement_mm"]}
+    write_recording_csv(tmp_path / "r.csv", replace(recordings[0], channels=long, gauge_length_mm=250.0))
+    told = ["--target", "displacement", "--method", "paper", "--restarts", "1", "-o", str(tmp_path / "c.json")]
+    assert main(["train", str(tmp_path / "r.csv"), *told]) == 0
+
+
 def test_a_file_without_resistance_is_told_so(tmp_path, capsys):
     (tmp_path / "f.csv").write_text("time_s,force_N\n" + "".join(f"{t},{t % 3}\n" for t in range(60)))
     assert main(["train", str(tmp_path / "f.csv"), "--target", "force", "-o", str(tmp_path / "c.json")]) == 2
