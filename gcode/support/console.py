@@ -103,7 +103,12 @@ def main(prog: str, description: str, package: str, commands: Sequence[str], arg
     chosen = [words[0]] if words and words[0] in commands else list(commands)
     with contextlib.redirect_stderr(cast(TextIO, streams.Remarks(sys.stderr))):
         try:
-            return _run(build_parser(prog, description, package, chosen).parse_args(words), words)
+            parser = build_parser(prog, description, package, chosen)
+            args, others = parser.parse_known_args(words)
+            if others:
+                parser.prog = args.command  # whose help has the options that there are
+                parser.error(f"unrecognized arguments: {' '.join(others)}")
+            return _run(args, words)
         except KeyboardInterrupt:
             print(f"{' '.join([prog, *chosen[: len(chosen) == 1]])}: interrupted", file=sys.stderr)
             return EXIT_INTERRUPTED

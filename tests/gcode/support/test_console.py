@@ -26,6 +26,12 @@ def test_ctrl_c_is_a_word_from_the_first_moment_on(where, monkeypatch, capsys):
     assert capsys.readouterr().err == "gcode check: interrupted\n"
 
 
+def test_an_unknown_option_is_told_with_the_command_whose_options_there_are(capsys):
+    with pytest.raises(SystemExit, match="2"):
+        gcode.cli.main(["play", "a.tap", "-o", "b.csv", "--bogus"])
+    assert "gcode play: error: unrecognized arguments: --bogus (see gcode play --help)" in capsys.readouterr().err
+
+
 def test_too_little_memory_is_a_sentence(monkeypatch, capsys):
     def exhaust(*args):
         raise MemoryError
