@@ -11,6 +11,7 @@ True
 
 from __future__ import annotations
 
+from difflib import get_close_matches
 from typing import cast
 
 from gcode.support.lazy import lazy_exports
@@ -26,4 +27,6 @@ def __getattr__(name: str) -> type[Effect]:
     try:
         return cast(type[Effect], _get(name))
     except AttributeError as error:
-        raise AttributeError(f"{error}; `testbench effects` lists them all") from None
+        near = get_close_matches(class_name(name), __all__, 1)
+        meant = f"; did you mean {near[0]}?" if near else ""
+        raise AttributeError(f"{error}{meant}; `testbench effects` lists them all") from None

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from gcode.support.colours import BLACK, BLUE, ORANGE
+from gcode.support.figures import PRINT
 from gcode.support.files import atomic_path
 
 TRUTH, RAW, PREDICTION = BLACK, ORANGE, BLUE
@@ -14,6 +15,7 @@ SYMBOL = {"force": "F", "displacement": "d"}
 
 def draw_scores(scores: dict[str, Any], path: str | Path) -> None:
     """Write a PNG, PDF or SVG: a band for each recording with F, G and p over time, two zooms, scatter plots."""
+    from matplotlib import rc_context
     from matplotlib.figure import Figure
 
     rows = scores["recordings"]
@@ -21,7 +23,7 @@ def draw_scores(scores: dict[str, Any], path: str | Path) -> None:
     bands = figure.subfigures(len(rows), 1, squeeze=False)[:, 0]
     for band, row in zip(bands, rows, strict=True):
         _draw_band(band, row, scores["compensator"])
-    with atomic_path(path) as temporary:
+    with rc_context(PRINT), atomic_path(path) as temporary:
         figure.savefig(temporary, dpi=110)
 
 

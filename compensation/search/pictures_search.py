@@ -7,6 +7,7 @@ from pathlib import Path
 
 from compensation.search.ranking import Ranked
 from gcode.support.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from gcode.support.figures import PRINT
 from gcode.support.files import atomic_path
 
 COLOURS = (BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE, BLACK, GREY)
@@ -19,6 +20,7 @@ def draw_search(ranking: Sequence[Ranked], path: str | Path) -> None:
 
     Candidates that no seed brought to life are counted in the title and not drawn: their E is 1.
     """
+    from matplotlib import rc_context
     from matplotlib.figure import Figure
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
@@ -52,7 +54,7 @@ def draw_search(ranking: Sequence[Ranked], path: str | Path) -> None:
     axis.set_title(title + (f"; {never} dead from every seed" if never else ""), loc="left", fontsize=11)
     axis.legend(fontsize=8, title="smoothing bank", title_fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     axis.grid(alpha=0.3, which="both", lw=0.4)
-    with atomic_path(path) as temporary:
+    with rc_context(PRINT), atomic_path(path) as temporary:
         figure.savefig(temporary, dpi=110)
 
 

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 WIDTH_IN, PANEL_IN, NOTEBOOK_DOTS_PER_INCH = 8.0, 2.3, 90
+# Of a file for a journal: letters stay letters (TrueType, not outlines), and the same figure gives the same bytes.
+PRINT: Any = {"pdf.fonttype": 42, "ps.fonttype": 42, "svg.fonttype": "none", "svg.hashsalt": "knitbench"}
 POINTS = 2000  # nearly twice the pixels of a wide plot: each pixel column keeps its lowest and highest sample
 
 
@@ -30,7 +32,9 @@ def panels(axes: Axes | Sequence[Axes] | None, count: int) -> list[Axes]:
         from matplotlib import pyplot
 
         size = (WIDTH_IN, PANEL_IN * max(count, 1.4))
-        return list(pyplot.subplots(count, 1, squeeze=False, figsize=size, layout="constrained")[1][:, 0])
+        figure, grid = pyplot.subplots(count, 1, squeeze=False, figsize=size, layout="constrained")
+        figure.align_ylabels()
+        return list(grid[:, 0])
     from matplotlib.axes import Axes
 
     given = list(np.ravel(np.asarray(axes, dtype=object)))

@@ -141,14 +141,14 @@ class Trajectory(Unchanging):
     def curve(self) -> str:
         """The position over time as a small picture for a notebook."""
         time_s, position_mm = outline(self.time_s, self.position_mm, 300)
-        return strips(time_s, {"position / mm": position_mm})
+        return strips(time_s, {"position (mm)": position_mm})
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the position over time on `axes` (default: of a new figure); returns them."""
         (axis,) = panels(axes, 1)
         axis.plot(self.time_s, self.position_mm, linewidth=0.8)
-        axis.set_xlabel("time / s")
-        axis.set_ylabel("position / mm")
+        axis.set_xlabel("time (s)")
+        axis.set_ylabel("position (mm)")
         axis.margins(x=0)
         return axis
 

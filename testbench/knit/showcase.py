@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from gcode.support.colours import BLUE, GREY
+from gcode.support.figures import PRINT
 from gcode.support.files import atomic_path
 from testbench.knit.catalogue import baseline
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage
@@ -61,7 +62,7 @@ def showcase(cls: type[Effect]) -> Showcase:
     has_namesake = effect.name in model and bool(effect.strength)
     without = _curves(model.without(effect.name) if has_namesake else model, time_s, strain)
     key = "force_N" if "force_N" in effect.writes or cls.stage is Stage.KINEMATICS else "conductance_S"
-    scale, label = (1.0, "force / N") if key == "force_N" else (1e6, "conductance / µS")
+    scale, label = (1.0, "force (N)") if key == "force_N" else (1e6, "conductance (µS)")
     effect = _midway(effect, _curves(model, time_s, strain)) if effect.nonlinear else effect
     with_it = _curves(model + effect, time_s, strain)[key]
     for _ in range(MOST_RAISES):
@@ -96,6 +97,7 @@ def _midway(effect: Effect, signals: Signals) -> Effect:
 
 def draw(cls: type[Effect], path: Path) -> None:
     """Write the picture, over time and over strain, in the format that the suffix of `path` says."""
+    from matplotlib import rc_context
     from matplotlib.figure import Figure
 
     case = showcase(cls)
@@ -109,11 +111,11 @@ def draw(cls: type[Effect], path: Path) -> None:
         axis.plot(x, case.with_it, color=BLUE, lw=1.1, label=f"with {cls.name.replace('_', ' ')}")
         axis.spines[["top", "right"]].set_visible(False)
         axis.tick_params(labelsize=8)
-    over_time.set_xlabel("time / min" if minutes else "time / s", fontsize=8)
+    over_time.set_xlabel("time (min)" if minutes else "time (s)", fontsize=8)
     over_time.set_ylabel(case.label, fontsize=8)
-    over_strain.set_xlabel("strain / %", fontsize=8)
+    over_strain.set_xlabel("strain (%)", fontsize=8)
     figure.legend(
         *over_time.get_legend_handles_labels(), loc="outside upper center", ncols=2, fontsize=8, frameon=False
     )
-    with atomic_path(path) as temporary:
+    with rc_context(PRINT), atomic_path(path) as temporary:
         figure.savefig(temporary, format=path.suffix.lower().lstrip("."))

@@ -100,6 +100,8 @@ class Recording(Unchanging):
     metadata: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        if not isinstance(self.source, str):
+            raise UserError(f"recording: source must be a text such as a file's name, got {self.source!r}")
         who = self.source or "recording"
         _check_kinds(who, self.channels, self.metadata)
         columns = {TIME: self.time_s, **self.channels}
@@ -177,7 +179,8 @@ class Recording(Unchanging):
             return self.channels[name]
         except (KeyError, TypeError):  # TypeError: a slice is no key
             have = ", ".join(self.channels)
-            raise UserError(f"{self.source}: no channel {name}; it has {have}") from None
+            rows = "; `between` takes samples by their time" if isinstance(name, (int, slice)) else ""
+            raise UserError(f"{self.source}: no channel {name}; it has {have}{rows}") from None
 
     def __contains__(self, name: object) -> bool:
         return name in self.channels
@@ -228,7 +231,14 @@ class Recording(Unchanging):
         UserError
             If there are too few for a recording, or either end is no number.
         """
-        return self._rows((self.time_s >= number("start_s", start_s)) & (self.time_s < number("end_s", end_s)))
+        start_s, end_s = number("start_s", start_s), number("end_s", end_s)
+        inside = (self.time_s >= start_s) & (self.time_s < end_s)
+        if (count := int(inside.sum())) < 2:
+            raise UserError(
+                f"{self.source}: a recording needs at least 2 samples, got {count} from {start_s:g} to {end_s:g} s; "
+                f"it goes from {self.time_s[0]:g} to {self.time_s[-1]:g} s"
+            )
+        return self._rows(inside)
 
     def thinned(self, every: int) -> Recording:
         """Every n-th sample, where n is `every`, the first one included.

@@ -27,13 +27,13 @@ def titled(channels: Mapping[str, FloatArray], gauge_length_mm: float) -> dict[s
     drawn = {}
     for name, values in channels.items():
         if name == DISPLACEMENT and np.isfinite(gauge_length_mm):
-            drawn["strain / %"] = 100 * values / gauge_length_mm
+            drawn["strain (%)"] = 100 * values / gauge_length_mm
         elif name == RESISTANCE:
             size, unit = next((one for one in OHMS if np.median(values) >= one[0]), OHMS[-1])
-            drawn[f"resistance / {unit}"] = values / size
+            drawn[f"resistance ({unit})"] = values / size
         else:
             unit = UNITS.get(name, "")
-            drawn[f"{name.removesuffix(f'_{unit}')} / {unit}" if unit else name] = values
+            drawn[f"{name.removesuffix(f'_{unit}')} ({unit})" if unit else name] = values
     return drawn
 
 
@@ -53,5 +53,5 @@ def plot(time_s: FloatArray, drawn: Mapping[str, FloatArray], axes: Axes | Seque
         axis.plot(*outline(time_s, values, 2000, gaps), linewidth=0.8)
         axis.set_ylabel(title)
         axis.margins(x=0)
-    on[-1].set_xlabel("time / s")
+    on[-1].set_xlabel("time (s)")
     return np.array(on)

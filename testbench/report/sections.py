@@ -64,9 +64,9 @@ def comparison_section(
         items.append(words.sentence(compared.unplaced))
     over_time = comparison_figures.overlay(both)
     items.append(Picture("comparison-time", over_time, comparison_figures.OVERLAY_CAPTION))
-    items.append(Picture("comparison-loops", comparison_figures.modelled_loops(both), "The same as loops."))
-    caption = "Residual over strain and strain rate: orange where the model is too low, blue where it is too high."
-    items.append(Picture("comparison-map", residual_figures.heat_maps(both), caption))
+    loops = comparison_figures.modelled_loops_caption(both)
+    items.append(Picture("comparison-loops", comparison_figures.modelled_loops(both), loops))
+    items.append(Picture("comparison-map", residual_figures.heat_maps(both), residual_figures.HEAT_MAPS_CAPTION))
     for channel in both.measured:
         figure = residual_figures.profiles(maps[channel], channel)
         items.append(Picture(f"comparison-{channel}", figure, residual_figures.profiles_caption(channel)))
@@ -90,7 +90,7 @@ def errors_table(both: Overlay, compared: Comparison) -> Table:
 def ladder_section(steps: Sequence[Step], zero: str = "") -> Section:
     """The errors step by step; `zero` says where the held-out recording was clamped anew."""
     channels = list(steps[0].errors)
-    head = ("Step", *(f"Held-out {channel} / {PANEL_UNITS[channel]}" for channel in channels), "Fall")
+    head = ("Step", *(f"Held-out {channel} ({PANEL_UNITS[channel]})" for channel in channels), "Fall")
     rows = [
         (step.label, *(plain(step.errors[channel]) for channel in channels), fall_in_words(steps[0], step))
         for step in steps
@@ -125,7 +125,7 @@ def compensator_section(score: Mapping[str, Any]) -> Section:
     target, rows = score["compensator"]["target"], score["recordings"]
     names = [short_name(row["source"]) for row in rows]
     symbol = compensator_figures.SYMBOLS[target]
-    head = (*_SCORE_HEAD, f"RMS error / {score['compensator']['unit']}")
+    head = (*_SCORE_HEAD, f"RMS error ({score['compensator']['unit']})")
     table = Table(head, [_score_row(name, row) for name, row in zip(names, rows, strict=True)], _score_caption(score))
     shown = next((row for row in rows if row["role"] == "held-out"), rows[0])
     items: list[Item] = [table]
@@ -137,9 +137,8 @@ def compensator_section(score: Mapping[str, Any]) -> Section:
         f"alone; below, {compensator_figures.ends_in_words(shown)}."
     )
     items.append(Picture("compensator-time", compensator_figures.over_time(shown, target), caption))
-    items.append(
-        Picture("compensator-scatter", compensator_figures.scatter(shown, target), "The same against the truth.")
-    )
+    scatter = compensator_figures.scatter(shown, target)
+    items.append(Picture("compensator-scatter", scatter, compensator_figures.SCATTER_CAPTION))
     return Section("The compensator", items)
 
 

@@ -47,6 +47,12 @@ def axis(title: str = "", **more: Any) -> dict[str, Any]:
     }
 
 
+def parts_of_title(title: str) -> tuple[str, str]:
+    """``Force (N)`` as its quantity and its unit."""
+    quantity, _, unit = title.rpartition(" (")
+    return quantity, unit.removesuffix(")")
+
+
 def log_ticks(values: Sequence[float]) -> dict[str, Any]:
     """Settings of a logarithmic axis: its decades are named, and their 2 and 5 where there are few of them."""
     low, high = min(values), max(values)

@@ -73,8 +73,8 @@ class AlignmentResult:
         axis.plot(*outline(time_s, recorded, 2000, gaps), color=style.MEASURED, linewidth=1.6, label="recorded")
         planned = self.recording[PLANNED]
         axis.plot(*outline(time_s, planned, 2000, gaps), color=style.VERMILION, linewidth=0.9, label="planned")
-        axis.set_xlabel("time of the plan / s")
-        axis.set_ylabel("displacement / mm")
+        axis.set_xlabel("time of the plan (s)")
+        axis.set_ylabel("displacement (mm)")
         axis.legend(frameon=False)
         return axis
 

@@ -143,7 +143,7 @@ class DiagnosisResult(ModelResult):
         axis.set_yticks(range(len(shown)), names)
         axis.invert_yaxis()
         axis.set_xlim(0, 100)
-        axis.set_xlabel("probability that it is what is missing most / %")
+        axis.set_xlabel("probability that it is what is missing most (%)")
         return axis
 
     def _repr_html_(self) -> str:

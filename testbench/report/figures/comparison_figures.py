@@ -12,7 +12,7 @@ from gcode.support.arrays import FloatArray
 from testbench.recordings.recording import gaps_in
 from testbench.report import style
 from testbench.report.downsample import liveliest, window
-from testbench.report.figures.recording_figures import at_rows, line, stretches, unbroken
+from testbench.report.figures.recording_figures import at_rows, line, stretches, stretches_in_words, unbroken
 from testbench.report.words import PANEL_UNITS
 
 if TYPE_CHECKING:
@@ -22,9 +22,9 @@ LOOPS = 3
 OVERLAY_CAPTION = (
     "Measured and modelled; under each the residual, measured minus modelled; grey: twice the noise floor."
 )
-CHANNEL_TITLES = {"force": "Force / N", "conductance": "ln (G / S)", "resistance": "Resistance / kΩ"}
-RESIDUALS = {channel: f"{channel.capitalize()}<br>residual / {PANEL_UNITS[channel]}" for channel in CHANNEL_TITLES}
-RESIDUAL_TITLES = {channel: f"Residual / {PANEL_UNITS[channel]}" for channel in CHANNEL_TITLES}
+CHANNEL_TITLES = {"force": "Force (N)", "conductance": "ln (G / S)", "resistance": "Resistance (kΩ)"}
+RESIDUALS = {channel: f"{channel.capitalize()}<br>residual ({PANEL_UNITS[channel]})" for channel in CHANNEL_TITLES}
+RESIDUAL_TITLES = {channel: f"Residual ({PANEL_UNITS[channel]})" for channel in CHANNEL_TITLES}
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +142,7 @@ def overlay(both: Overlay, start_s: float | None = None, end_s: float | None = N
             traces.append(line(both.time_s[rows], left, colour, name, len(titles) + 1, gaps=both.gaps))
         titles += [CHANNEL_TITLES[channel], RESIDUAL_TITLES[channel]]
     heights = [2.0, 1.0] * len(both.measured)  # a residual is half as tall as its signal
-    axes = style.stacked_axes(titles, "Time / s", heights, gap=0.035)
+    axes = style.stacked_axes(titles, "Time (s)", heights, gap=0.035)
     shapes = [_floor_band(2 * row + 1, both.noise_floor.get(c, 0.0)) for row, c in enumerate(both.measured)]
     shapes += _held_out_shade(both, end_s)
     return style.figure(traces, height=150 * len(titles) + 60, shapes=shapes, **axes)
@@ -152,8 +152,13 @@ def signals(both: Overlay) -> style.Figure:
     """Measured and modelled over time, one row a channel."""
     channels = list(both.measured)
     traces = [trace for row, c in enumerate(channels) for trace in signal_traces(both, c, slice(None), row)]
-    axes = style.stacked_axes([CHANNEL_TITLES[channel] for channel in channels], "Time / s")
+    axes = style.stacked_axes([CHANNEL_TITLES[channel] for channel in channels], "Time (s)")
     return style.figure(traces, height=190 * len(channels) + 70, **axes)
+
+
+def _model_line(colour: str) -> dict[str, Any]:
+    """A model is dashed over the measured line: the two are told apart in greyscale, and where they agree."""
+    return {"line": {"color": colour, "width": 1.4, "dash": "dash" if colour == style.VERMILION else "dot"}}
 
 
 def signal_traces(both: Overlay, channel: str, rows: slice, row: int, **place: str) -> list[dict[str, Any]]:
@@ -163,7 +168,7 @@ def signal_traces(both: Overlay, channel: str, rows: slice, row: int, **place: s
     traces = [line(time_s, both.measured[channel][rows], style.MEASURED, "measured", row, width=2.0, **look)]
     for index, (label, modelled) in enumerate(both.modelled.items()):
         colour = model_colour(index, len(both.modelled))
-        traces.append(line(time_s, modelled[channel][rows], colour, label, row, **look))
+        traces.append(line(time_s, modelled[channel][rows], colour, label, row, **look, **_model_line(colour)))
     return traces
 
 
@@ -185,6 +190,11 @@ def _area(colour: str, opacity: float) -> dict[str, Any]:
     return {"type": "rect", "fillcolor": colour, "opacity": opacity, "line": {"width": 0}, "layer": "below"}
 
 
+def modelled_loops_caption(both: Overlay) -> str:
+    """What stands under the `modelled_loops`."""
+    return f"The same as hysteresis loops: {stretches_in_words(both.time_s, both.strain, LOOPS)}."
+
+
 def modelled_loops(both: Overlay) -> style.Figure:
     """Hysteresis loops of a few stretches, modelled over measured: force and ln G over strain."""
     names = ["measured", *both.modelled]
@@ -198,8 +208,9 @@ def modelled_loops(both: Overlay) -> style.Figure:
         signals = [both.measured[channel], *(model[channel] for model in both.modelled.values())]
         shown: dict[str, Any] = {"hovertemplate": "%{y:.4g} at %{x:.2f} %", "showlegend": column == 0}
         for name, colour, values in zip(names, colours, signals, strict=True):
-            traces.append(style.curve(strain_percent, at_rows(values, rows), colour, column, name=name, **shown))
-    axes = style.side_by_side_axes([("Strain / %", CHANNEL_TITLES[channel]) for channel in both.measured])
+            look = shown if colour == style.MEASURED else shown | _model_line(colour)
+            traces.append(style.curve(strain_percent, at_rows(values, rows), colour, column, name=name, **look))
+    axes = style.side_by_side_axes([("Strain (%)", CHANNEL_TITLES[channel]) for channel in both.measured])
     return style.figure(traces, height=380, **axes)
 
 

@@ -19,7 +19,8 @@ BEFORE_AND_AFTER_CAPTION = (
     "r² before and after compensation (1 is perfect); whiskers: 95 % intervals over blocks of up to 60 s; "
     "dotted: the means that the paper reports for its two knits."
 )
-TITLES = {"force": "Force / N", "displacement": "Displacement / mm"}
+SCATTER_CAPTION = "Against the measurement: on the line, the sensor would be right."
+TITLES = {"force": "Force (N)", "displacement": "Displacement (mm)"}
 
 
 def over_time(row: Mapping[str, Any], target: str) -> style.Figure:
@@ -40,7 +41,7 @@ def over_time(row: Mapping[str, Any], target: str) -> style.Figure:
             time_s, values = np.asarray(window["time_s"]), np.asarray(window[key])
             traces.append(line(time_s, values, colour, name, panel, **place))
     upper, lower = [0.58, 1.0], [0.0, 0.42]
-    left, right = (style.axis("Time / s", domain=across) for across in ([0.0, 0.47], [0.53, 1.0]))
+    left, right = (style.axis("Time (s)", domain=across) for across in ([0.0, 0.47], [0.53, 1.0]))
     axes = style.panel(0, style.axis(domain=[0, 1]), style.axis(TITLES[target], domain=upper))
     axes |= style.panel(1, left, style.axis(TITLES[target], domain=lower))
     axes |= style.panel(2, right, style.axis(domain=lower))
@@ -67,9 +68,9 @@ def scatter(row: Mapping[str, Any], target: str) -> style.Figure:
         values = np.asarray(row["trace"][key])
         traces.append(style.dots(truth, values, colour, column, 3, opacity=0.5, hoverinfo="skip"))
         traces.append(style.curve(ends, ends, TRUTH, column, 1, hoverinfo="skip"))
-    quantity, unit = TITLES[target].split(" / ")
+    quantity, unit = style.parts_of_title(TITLES[target])
     titles = [
-        (f"Measured {quantity.lower()} / {unit}", f"{name} / {unit}")
+        (f"Measured {quantity.lower()} ({unit})", f"{name} ({unit})")
         for name in ("Conductance, rescaled", "Compensated")
     ]
     axes = style.side_by_side_axes(titles)

@@ -42,7 +42,7 @@ def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
     notes = [style.note("not refitted", 1.0, place, **look) for place in untried]
     names = [with_probability(diagnosis, entry["effect"]) for entry in ranking]
     axes: dict[str, Any] = {
-        "xaxis": style.axis("Error removed / %", range=[_lowest(ranking), 104]),
+        "xaxis": style.axis("Error removed (%)", range=[_lowest(ranking), 104]),
         "yaxis": style.names_of_bars(names),
         "margin": {"l": 230, "r": 20, "t": 16, "b": 44},
     }
@@ -90,7 +90,7 @@ def dependence(diagnosis: Mapping[str, Any]) -> style.Figure | None:
     colours = [style.BLUE if entry["channel"] == "force" else style.GREEN for entry in found]
     bars = style.bars(np.array([100 * entry["gain"] for entry in found]), colours, "%{x:.1f} %")
     axes: dict[str, Any] = {
-        "xaxis": style.axis("Share of its squares that a free-form map explains / %", rangemode="tozero"),
+        "xaxis": style.axis("Share of its squares that a free-form map explains (%)", rangemode="tozero"),
         "yaxis": style.names_of_bars(names),
         "margin": {"l": 250, "r": 20, "t": 16, "b": 44},
     }
@@ -125,7 +125,7 @@ def prediction(
         traces.append(line(time_s[rows], residual[channel][rows], style.FAINT, left, row, **first))
         added, name = contribution[channel][rows], f"what {effect} would add"
         traces.append(line(time_s[rows], added, style.VERMILION, name, row, width=1.8, **first))
-    axes = style.stacked_axes([RESIDUALS[channel] for channel in residual], "Time / s")
+    axes = style.stacked_axes([RESIDUALS[channel] for channel in residual], "Time (s)")
     return style.figure(traces, height=190 * len(residual) + 70, **axes)
 
 
@@ -140,5 +140,5 @@ def slope(residual: Mapping[str, FloatArray], contribution: Mapping[str, FloatAr
         dashed = {"color": style.INK, "width": 1, "dash": "dash"}
         traces.append(style.dots(x, y, style.VERMILION, column, 7))
         traces.append(style.curve(ends, ends, style.INK, column, line=dashed, hoverinfo="skip"))
-    titles = [(f"Predicted {channel} / {PANEL_UNITS[channel]}", RESIDUAL_TITLES[channel]) for channel in channels]
+    titles = [(f"Predicted {channel} ({PANEL_UNITS[channel]})", RESIDUAL_TITLES[channel]) for channel in channels]
     return style.figure(traces, height=330, **style.side_by_side_axes(titles, gap=0.17))

@@ -41,8 +41,8 @@ def of_file(found: Mapping[str, Any], time_s: FloatArray, strain_percent: FloatA
     names = {**ranked["layout"]["yaxis"], "domain": [0.56, 1.0]}
     axes = {
         "yaxis": names,
-        "xaxis2": style.axis("Time / s", anchor="y3"),
-        "yaxis2": style.axis("Strain / %", anchor="x2", domain=[0.25, 0.44]),
+        "xaxis2": style.axis("Time (s)", anchor="y3"),
+        "yaxis2": style.axis("Strain (%)", anchor="x2", domain=[0.25, 0.44]),
         "yaxis3": style.axis("Left over / noise", anchor="x2", domain=[0.0, 0.21]),
     }
     layout = {**ranked["layout"], "height": 760, "showlegend": True, "legend": legend, **axes}

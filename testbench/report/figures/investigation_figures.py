@@ -40,8 +40,8 @@ def investigation(state: Investigation, motions: Sequence[tuple[FloatArray, Floa
     for time_s, strain_percent in motions:
         traces.append(line(start_min + time_s / 60, strain_percent, style.STRAIN, "strain", 1))
         start_min += float(time_s[-1]) / 60
-    titles = ["Probability / %", *(["Strain / %"] if motions else [])]
-    axes = style.stacked_axes(titles, "Time of motion / min", [0.58, 0.34][: len(titles)], gap=0.08)
+    titles = ["Probability (%)", *(["Strain (%)"] if motions else [])]
+    axes = style.stacked_axes(titles, "Time of motion (min)", [0.58, 0.34][: len(titles)], gap=0.08)
     axes["yaxis"]["range"] = [-3, 103]
     sure = style.level(100 * state.settings.sure, style.FAINT)
     return style.figure(traces, height=520, shapes=[sure], **axes)

@@ -61,7 +61,7 @@ def ladder(steps: Sequence[Step], current: int | None = None) -> style.Figure:
     channels = list(steps[0].errors)
     current = len(steps) - 1 if current is None else current
     traces = [trace for column, channel in enumerate(channels) for trace in _rungs(steps, channel, column, current)]
-    panels = [("", f"Held-out error / {PANEL_UNITS[channel]}") for channel in channels]
+    panels = [("", f"Held-out error ({PANEL_UNITS[channel]})") for channel in channels]
     axes = style.side_by_side_axes(panels, gap=0.12)
     height = 320
     if len(steps) > BESIDE:
@@ -147,7 +147,7 @@ def at_a_glance(both: Overlay, steps: Sequence[Step], span_s: tuple[float, float
         left, right = 2 * row, 2 * row + 1
         traces += signal_traces(both, channel, rows, left, xaxis=style.x_ref(left))
         traces += _rungs(steps, channel, right, len(steps) - 1)
-        words, follows = "Time / s" if row == len(channels) - 1 else "", "x" if row else None
+        words, follows = "Time (s)" if row == len(channels) - 1 else "", "x" if row else None
         time = style.axis(words, domain=[0, 0.6], matches=follows, range=list(span_s))
         error = style.axis(PANEL_UNITS[channel], domain=domain, range=_from_zero(steps, channel))
         axes |= style.panel(left, time, style.axis(CHANNEL_TITLES[channel], domain=domain))

@@ -13,7 +13,7 @@ from testbench.report import style
 from testbench.report.figures.recording_figures import line
 
 LIVE_POINTS = 500
-SIDES = (("Time / s (the last minute)", [0.0, 0.62]), ("Time / s (all)", [0.68, 1.0]))
+SIDES = (("Time, the last minute (s)", [0.0, 0.62]), ("Time, all (s)", [0.68, 1.0]))
 
 
 @dataclass(frozen=True)

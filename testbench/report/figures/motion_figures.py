@@ -40,7 +40,7 @@ def motion(
         if limit
         for sign in (1, -1)
     ]
-    axes = style.stacked_axes(["Position / mm", "Speed / mm/s", "Acceleration / mm/s²"], "Time / s")
+    axes = style.stacked_axes(["Position (mm)", "Speed (mm/s)", "Acceleration (mm/s²)"], "Time (s)")
     return style.figure(traces, height=520, shapes=shapes, **axes)
 
 
@@ -68,5 +68,5 @@ def alignment(
         line(time_s[rows], recorded_mm[rows], style.INK, "recorded", 0, gaps=gaps, showlegend=True),
         line(time_s[rows], difference_um[rows], style.BLUE, "recorded minus planned", 1, gaps=gaps),
     ]
-    axes = style.stacked_axes(["Displacement / mm", "Difference / µm"], "Time of the plan / s")
+    axes = style.stacked_axes(["Displacement (mm)", "Difference (µm)"], "Time of the plan (s)")
     return style.figure(traces, height=440, **axes)

@@ -29,11 +29,11 @@ def proposal(proposed: Proposed) -> style.Figure:
     for step in proposed.steps:
         traces += _dependence(step, len(panels))
         channel = step.option.law.place.channel
-        panels.append((part_of(step), f"What the {channel_name(channel)} lacks / {UNIT_OF[channel]}"))
+        panels.append((part_of(step), f"What the {channel_name(channel)} lacks ({UNIT_OF[channel]})"))
     before, after = (_residuals(model, proposed.held) for model in (proposed.before.model, proposed.after.model))
     for channel, values in after.items():
         traces += _over_time(before[channel], values, proposed.held, len(panels))
-        panels.append(("Time / s", f"Measured − modelled, {channel_name(channel)} / {UNIT_OF[channel]}"))
+        panels.append(("Time (s)", f"Measured − modelled, {channel_name(channel)} ({UNIT_OF[channel]})"))
     axes: dict[str, Any] = {}
     domains = style.rows(len(panels), 0.32 / len(panels), 1 - LEGEND_PX / (ROW_PX * len(panels)))
     for index, ((x_title, y_title), domain) in enumerate(zip(panels, domains, strict=True)):

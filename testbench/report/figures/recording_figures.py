@@ -42,16 +42,16 @@ def channels_of(recording: Recording, resistance: bool = False) -> list[Channel]
     """Strain, force, conductance (or resistance) and temperature, as far as they were recorded."""
     found: list[Channel] = []
     if recording.has(DISPLACEMENT):
-        found.append(("Strain / %", 100 * recording.strain, style.STRAIN))
+        found.append(("Strain (%)", 100 * recording.strain, style.STRAIN))
     if recording.has(FORCE):
-        found.append(("Force / N", recording[FORCE], style.FORCE))
+        found.append(("Force (N)", recording[FORCE], style.FORCE))
     if recording.has(RESISTANCE) and resistance:
-        found.append(("Resistance / kΩ", 1e-3 * recording[RESISTANCE], style.CONDUCTANCE))
+        found.append(("Resistance (kΩ)", 1e-3 * recording[RESISTANCE], style.CONDUCTANCE))
     elif recording.has(RESISTANCE):
         factor, unit = conductance_scale(recording.conductance_S)
-        found.append((f"Conductance / {unit}", factor * recording.conductance_S, style.CONDUCTANCE))
+        found.append((f"Conductance ({unit})", factor * recording.conductance_S, style.CONDUCTANCE))
     if recording.has(TEMPERATURE):
-        found.append(("Temperature / °C", recording[TEMPERATURE], style.ORANGE))
+        found.append(("Temperature (°C)", recording[TEMPERATURE], style.ORANGE))
     return found
 
 
@@ -66,10 +66,10 @@ def time_series(
     time_s = recording.time_s[rows]
     channels = channels_of(recording, resistance)
     traces = [
-        line(time_s, values[rows], colour, title.split(" / ")[0], row, gaps=recording.gaps)
+        line(time_s, values[rows], colour, style.parts_of_title(title)[0], row, gaps=recording.gaps)
         for row, (title, values, colour) in enumerate(channels)
     ]
-    axes = style.stacked_axes([title for title, _, _ in channels], "Time / s")
+    axes = style.stacked_axes([title for title, _, _ in channels], "Time (s)")
     return style.figure(traces, height=150 * len(channels) + 90, **axes)
 
 
@@ -193,15 +193,15 @@ def _loop_panels(recording: Recording, resistance: bool) -> list[tuple[str, str,
     strain = 100 * recording.strain if recording.has(DISPLACEMENT) else None
     panels = []
     if recording.has(FORCE) and strain is not None:
-        panels.append(("Strain / %", "Force / N", strain, recording[FORCE]))
+        panels.append(("Strain (%)", "Force (N)", strain, recording[FORCE]))
     if recording.has(RESISTANCE):
         title, values = "ln (G / S)", np.log(recording.conductance_S)
         if resistance:
-            title, values = "Resistance / kΩ", 1e-3 * recording[RESISTANCE]
+            title, values = "Resistance (kΩ)", 1e-3 * recording[RESISTANCE]
         if strain is not None:
-            panels.append(("Strain / %", title, strain, values))
+            panels.append(("Strain (%)", title, strain, values))
         if recording.has(FORCE):
-            panels.append(("Force / N", title, recording[FORCE], values))
+            panels.append(("Force (N)", title, recording[FORCE], values))
     return panels
 
 
@@ -217,7 +217,7 @@ def distributions(recording: Recording, resistance: bool = False) -> style.Figur
         return None
     panels = channels_of(even, resistance)[:3]
     if recording.has(DISPLACEMENT):
-        panels.insert(1, ("Speed / mm/s", np.gradient(even[DISPLACEMENT], 1 / rate_hz), style.MUTED))
+        panels.insert(1, ("Speed (mm/s)", np.gradient(even[DISPLACEMENT], 1 / rate_hz), style.MUTED))
     traces = []
     for column, (_, values, colour) in enumerate(panels):
         counts, edges = np.histogram(values, bins=BINS, range=histogram_range(values))
@@ -226,7 +226,7 @@ def distributions(recording: Recording, resistance: bool = False) -> style.Figur
         place: dict[str, Any] = style.place(column)
         traces.append(style.upright_bars(centres, share, width, colour, hover, **place))
         traces[-1]["marker"]["line"] = {"width": 0}
-    titles = [(title, "Time / %" if column == 0 else "") for column, (title, _, _) in enumerate(panels)]
+    titles = [(title, "Time (%)" if column == 0 else "") for column, (title, _, _) in enumerate(panels)]
     return style.figure(traces, height=240, bargap=0, **style.side_by_side_axes(titles, gap=0.06))
 
 
@@ -250,7 +250,7 @@ def summary(recording: Recording, resistance: bool = False) -> list[tuple[str, s
     if recording.has(DISPLACEMENT):
         facts.append(("Gauge length", f"{recording.gauge_length_mm:g} mm"))
     for title, values, _ in channels_of(recording, resistance):
-        name, unit = title.split(" / ")
+        name, unit = style.parts_of_title(title)
         facts.append((name, span(float(values.min()), float(values.max()), unit)))
     return facts
 

@@ -14,15 +14,18 @@ from testbench.report import style
 from testbench.report.figures.comparison_figures import RESIDUAL_TITLES, RESIDUALS, Overlay
 from testbench.report.words import PANEL_UNITS
 
+HEAT_MAPS_CAPTION = (
+    "Residual over strain and strain rate: orange where the model is too low, blue where it is too high."
+)
 COORDINATE_TITLES = {
-    "strain": "Strain / %",
-    "strain_rate": "Strain rate / %/s",
-    "elapsed_s": "Elapsed time / s",
-    "largest_strain": "Largest strain so far / %",
-    "since_reversal_s": "Since the last reversal / s",
-    "since_hold_s": "Into a hold / s",
+    "strain": "Strain (%)",
+    "strain_rate": "Strain rate (%/s)",
+    "elapsed_s": "Elapsed time (s)",
+    "largest_strain": "Largest strain so far (%)",
+    "since_reversal_s": "Since the last reversal (s)",
+    "since_hold_s": "Into a hold (s)",
     "cycle": "Cycle",
-    "temperature_C": "Temperature / °C",
+    "temperature_C": "Temperature (°C)",
 }
 IN_PERCENT = ("strain", "largest_strain", "strain_rate")
 LOG_COORDINATES = ("since_reversal_s", "since_hold_s")
@@ -110,7 +113,7 @@ def heat_maps(both: Overlay) -> style.Figure:
     rate = np.gradient(both.strain, both.time_s)
     limit = float(np.quantile(np.abs(rate), 0.995)) or 1.0
     inside = np.abs(rate) <= limit
-    panels = [("Strain / %", "Strain rate / %/s" if i == 0 else "") for i in range(len(both.measured))]
+    panels = [("Strain (%)", "Strain rate (%/s)" if i == 0 else "") for i in range(len(both.measured))]
     traces = []
     for column, channel in enumerate(both.measured):
         x, y, z = _heat(100 * both.strain[inside], 100 * rate[inside], both.residual(channel)[inside])

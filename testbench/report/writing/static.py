@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcode.support.errors import UserError
-from gcode.support.figures import panels
+from gcode.support.figures import PRINT, panels
 from gcode.support.files import atomic_path, check_place
 from testbench.report import style
 from testbench.report.writing.static_page import DASHES, Page, plain, tick
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 METADATA: Any = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 SYMBOLS = {"circle": "o", "diamond": "D", "triangle-up": "^"}
 WIDTH_PX, DOTS_PER_INCH = 1000, 100
-RC: Any = {"font.family": "sans-serif", "font.size": 9, "svg.hashsalt": "knitbench"}
+RC: Any = {"font.family": "sans-serif", "font.size": 9, **PRINT}
 
 
 def write_figure(figure: style.Figure, path: str | Path) -> None:

@@ -94,9 +94,9 @@ class Live:
             self.limits = limits_of(self.folder)
         found = []
         for name, title, factor, colour in (
-            (DISPLACEMENT, "Displacement / mm", 1.0, style.STRAIN),
-            (FORCE, "Force / N", 1.0, style.FORCE),
-            (RESISTANCE, "Resistance / kΩ", 1e-3, style.CONDUCTANCE),
+            (DISPLACEMENT, "Displacement (mm)", 1.0, style.STRAIN),
+            (FORCE, "Force (N)", 1.0, style.FORCE),
+            (RESISTANCE, "Resistance (kΩ)", 1e-3, style.CONDUCTANCE),
         ):
             if one := channel_of(self.follower, name, title, factor, colour):
                 words = f"Compensated {title[0].lower()}{title[1:]}"

@@ -81,7 +81,7 @@ def test_a_diagnosis_names_every_bar_in_words_with_its_probability():
 
 def test_what_a_candidate_would_add_is_named_as_the_residual_that_it_is():
     first, second = drawn(tb.contribution(diagnosed(), "stress_relaxation", relaxed()).plot, 2)
-    assert [axis.get_ylabel() for axis in (first, second)] == ["Force\nresidual / N", "Conductance\nresidual / ln S"]
+    assert [axis.get_ylabel() for axis in (first, second)] == ["Force\nresidual (N)", "Conductance\nresidual (ln S)"]
     said = [text.get_text() for text in first.get_legend().get_texts()]
     assert said[0] == "what the model leaves"
     assert re.fullmatch(r"what stress relaxation[a-z ]* would add", said[1])

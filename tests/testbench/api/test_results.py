@@ -38,7 +38,7 @@ def test_a_recording_tells_and_draws_itself():
     assert recording._repr_html_().count("<polyline") == len(recording.channels) == 3
     on = axes(3)
     assert list(recording.plot(on)) == on
-    assert [axis.get_ylabel() for axis in on] == ["strain / %", "force / N", "resistance / kΩ"]
+    assert [axis.get_ylabel() for axis in on] == ["strain (%)", "force (N)", "resistance (kΩ)"]
     assert on[1].lines[0].get_ydata().max() == recording["force_N"].max()
     assert on[2].lines[0].get_ydata().max() == recording["resistance_ohm"].max() / 1000
     assert list(recording.to_frame().columns) == ["time_s", *recording.channels]
@@ -353,7 +353,7 @@ def test_a_check_and_what_was_played_show_themselves():
     played = gcode.play(made)
     assert len(played.to_frame()) == len(played.to_dict()["time_s"]) == len(played.time_s)
     assert "<polyline" in played._repr_html_()
-    assert played.plot(axes(1)[0]).get_ylabel() == "position / mm"
+    assert played.plot(axes(1)[0]).get_ylabel() == "position (mm)"
 
 
 def test_a_program_is_taken_in_every_form_and_nothing_else(tmp_path):

@@ -47,11 +47,11 @@ def residual_and_contribution():
 
 TWO_S, NINE_S = (np.arange(2.0), np.ones(2)), (np.arange(9.0), np.ones(9))
 FORCE_AND_COMPENSATED = live_figures.LiveChannel(
-    "Force / N",
+    "Force (N)",
     "#0072B2",
     NINE_S,
     TWO_S,
-    beside=live_figures.LiveChannel("Compensated force / N", "#D55E00", NINE_S, TWO_S),
+    beside=live_figures.LiveChannel("Compensated force (N)", "#D55E00", NINE_S, TWO_S),
 )
 FIGURES: dict[str, Callable[[], Figure | None]] = {
     "time series": lambda: recording_figures.time_series(samples.recording(temperature=True)),
@@ -81,7 +81,7 @@ FIGURES: dict[str, Callable[[], Figure | None]] = {
     "live": lambda: live_figures.live(
         [
             live_figures.LiveChannel(
-                "Force / N", "#0072B2", (np.arange(9.0), np.ones(9)), (np.arange(4.0), np.ones(4)), 2.0
+                "Force (N)", "#0072B2", (np.arange(9.0), np.ones(9)), (np.arange(4.0), np.ones(4)), 2.0
             )
         ]
     ),

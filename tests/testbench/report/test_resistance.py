@@ -56,4 +56,4 @@ def test_the_page_is_written_in_it(made, tmp_path: Path) -> None:
     path, model = made
     argv = ["report", "--recording", path, "--gauge-length-mm", "25", "--model", model, "--resistance"]
     assert main([*argv, "-o", str(tmp_path / "r.html")]) == 0
-    assert "Held-out resistance / kΩ" in (tmp_path / "r.html").read_text()
+    assert "Held-out resistance (kΩ)" in (tmp_path / "r.html").read_text()

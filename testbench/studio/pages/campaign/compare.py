@@ -19,7 +19,6 @@ from testbench.report.document import Table
 from testbench.report.figures import comparison_figures as figures
 from testbench.report.figures import residual_figures
 from testbench.report.figures.comparison_figures import Overlay
-from testbench.report.figures.recording_figures import stretches_in_words
 from testbench.report.parameter_table import parameter_table
 from testbench.report.words import sentence, with_unit
 from testbench.results.model_file import load_model_file
@@ -106,12 +105,11 @@ async def page(
 
 
 def _below(view: View, shown: Overlay) -> None:
-    loops = f"The same as hysteresis loops: {stretches_in_words(shown.time_s, shown.strain, figures.LOOPS)}."
-    plot(figures.modelled_loops(shown), loops)
+    plot(figures.modelled_loops(shown), figures.modelled_loops_caption(shown))
     if view.parameters:
         subheading("The model's parameters", "As fitted; what speaks against a value stands beside it.")
         table(view.parameters.head, view.parameters.rows, view.parameters.caption)
-    plot(residual_figures.heat_maps(shown), "Orange where the model is too low, blue where it is too high.")
+    plot(residual_figures.heat_maps(shown), residual_figures.HEAT_MAPS_CAPTION)
     for channel in shown.measured:
         plot(residual_figures.profiles(view.maps[channel], channel), residual_figures.profiles_caption(channel))
 

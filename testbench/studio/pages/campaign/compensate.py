@@ -220,7 +220,7 @@ def _recordings(rows: list[dict[str, Any]], names: list[str], target: str) -> No
         holder.clear()
         with holder:
             plot(figures.over_time(row, target), f"The whole recording; below, {figures.ends_in_words(row)}.")
-            plot(figures.scatter(row, target), "Against the measurement: on the line, the sensor would be right.")
+            plot(figures.scatter(row, target), figures.SCATTER_CAPTION)
 
     tabs.on_value_change(lambda event: show(rows[int(event.value)]))
     tabs.set_value(str(len(rows) - 1))

@@ -52,7 +52,7 @@ def test_a_candidate_is_seen_as_resistance_and_its_stretch_is_in_the_address(sta
     plots = page.locator(".js-plotly-plot")
     plots.nth(1).scroll_into_view_if_needed()
     title = "document.querySelectorAll('.js-plotly-plot')[1]?.layout?.yaxis2?.title.text"
-    page.wait_for_function(f"() => {title} === 'Resistance<br>residual / kΩ'")
+    page.wait_for_function(f"() => {title} === 'Resistance<br>residual (kΩ)'")
     page.get_by_role("button", name="Add load cell creep").wait_for()
     shown = page.evaluate("[...document.querySelectorAll('.js-plotly-plot')][1].layout.xaxis.range")
     assert shown == pytest.approx([180, 200], abs=0.02)

@@ -20,7 +20,7 @@ def test_the_compensated_force_stands_beside_the_measured_one(full, page) -> Non
     page.get_by_role("button", name="Record", exact=False).last.click()
     samples(page, 100)
     page.get_by_text("Orange-red: what the compensator makes").wait_for()
-    page.wait_for_function(f"() => ({DRAWN})().includes('Compensated force / N')")
+    page.wait_for_function(f"() => ({DRAWN})().includes('Compensated force (N)')")
     shot(page, "live-compensated")
     page.get_by_role("button", name="Stop").click()
     page.get_by_role("button", name="Open the recording").wait_for()

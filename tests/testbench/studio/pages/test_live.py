@@ -53,12 +53,12 @@ def test_only_the_last_minute_is_kept_in_full(tmp_path: Path) -> None:
 def test_a_channel_is_drawn_from_the_file_that_has_it(tmp_path: Path) -> None:
     (tmp_path / "compensated.csv").write_text("time_s,force_N,status\n0.00,1.5,16\n0.05,2.5,0\n")
     follower = Follower(tmp_path / "compensated.csv")
-    assert channel_of(follower, "force_N", "Force / N", 1.0, "#000000") is None
+    assert channel_of(follower, "force_N", "Force (N)", 1.0, "#000000") is None
     follower.look()
-    drawn = channel_of(follower, "force_N", "Force / N", 1e3, "#000000")
+    drawn = channel_of(follower, "force_N", "Force (N)", 1e3, "#000000")
     assert drawn is not None
     assert drawn.recent[1].tolist() == [1500.0, 2500.0]
-    assert channel_of(follower, "displacement_mm", "Displacement / mm", 1.0, "#000000") is None
+    assert channel_of(follower, "displacement_mm", "Displacement (mm)", 1.0, "#000000") is None
 
 
 def test_memory_is_flat_over_ten_hours() -> None:
