@@ -113,7 +113,7 @@ def test_a_comparison_says_where_in_words_and_draws_the_residual_there():
     cells = frame[(frame.channel == worst["channel"]) & (frame.coordinate == worst["coordinate"])]
     assert worst["cell"]["mean"] in set(cells["mean"])
     on = where.plot(axes(2), coordinate="strain")
-    assert [axis.get_xlabel() for axis in on] == ["Strain / %", "Strain / %"]
+    assert [axis.get_xlabel() for axis in on] == ["Strain (%)", "Strain (%)"]
     assert "noise floor" in where._repr_html_()
 
 
