@@ -31,8 +31,8 @@ IN_PERCENT = ("strain", "largest_strain", "strain_rate")
 LOG_COORDINATES = ("since_reversal_s", "since_hold_s")
 DIRECTIONS = ((1, "stretching", style.BLUE, "triangle-up"), (-1, "releasing", style.VERMILION, "diamond"))
 COLUMNS = 3
-HEAT_BINS = 24
-FEW = 8  # cells of a map with fewer samples are left blank
+HEAT_BINS = 24  # at most
+FEW = 8  # cells of a map with fewer samples are left blank; a short recording has larger cells, of four times as many
 
 
 def profiles_caption(channel: str) -> str:
@@ -132,7 +132,8 @@ def heat_maps(both: Overlay) -> style.Figure:
 
 
 def _heat(x: FloatArray, y: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    counts, x_edges, y_edges = np.histogram2d(x, y, bins=HEAT_BINS, range=(histogram_range(x), histogram_range(y)))
+    bins = min(int(np.sqrt(len(x) / (4 * FEW))) + 1, HEAT_BINS)
+    counts, x_edges, y_edges = np.histogram2d(x, y, bins=bins, range=(histogram_range(x), histogram_range(y)))
     sums, _, _ = np.histogram2d(x, y, bins=(x_edges, y_edges), weights=z)
     with np.errstate(invalid="ignore", divide="ignore"):
         means = np.where(counts >= FEW, sums / counts, np.nan)

@@ -90,6 +90,16 @@ FIGURES: dict[str, Callable[[], Figure | None]] = {
 }
 
 
+def test_a_map_of_a_short_recording_has_fewer_cells_and_no_empty_page() -> None:
+    t = np.arange(300) / 10
+    strain = 0.1 * (1 - np.cos(1.3 * t))
+    short = comparison_figures.Overlay(
+        t, strain, {"force": 20 * strain}, {"model": {"force": 18 * strain}}, {"force": 0.01}
+    )
+    (trace,) = residual_figures.heat_maps(short)["data"]
+    assert np.isfinite(np.array(trace["z"], dtype=float)).sum() >= 8
+
+
 @pytest.mark.parametrize("name", FIGURES)
 def test_plotly_accepts_every_property(name: str) -> None:
     figure = FIGURES[name]()
