@@ -96,6 +96,9 @@ class Beam:
         yield place, changing(plain), values
         for _, term, more in self.grown(place, plain, values, ("bend",)):
             yield place, term, more
+            if name == "time":
+                # What ages changes by a share, too: alone it leaves no trace to grow from.
+                yield from self.grown(place, term, more, ("factor",))
             if name in SIGNALS and term.operators[0].name == "threshold":
                 # What yields flows beyond its threshold alone, of which the memory of the whole is no parent.
                 yield from self.grown(place, term, more, ("memory",))

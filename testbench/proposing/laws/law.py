@@ -214,10 +214,14 @@ class Law:
 
     @property
     def family(self) -> tuple[str, ...]:
-        """Laws that differ in what comes after their memory, or in bends and factors alone, are of one family."""
-        names = [one.name for one in self.term.operators]
-        until = names.index(self.term.memory) + 1 if self.term.memory else 0
-        return self.place.name, self.term.coordinate.name, *names[:until]
+        """Laws that differ in what comes after their memory, or in bends and factors alone, are of one family.
+
+        What lies beyond a threshold is remembered otherwise than the whole: a threshold before a memory counts.
+        """
+        pieces, memory = self.term.operators, self.term.memory
+        before = pieces[: [one.kind for one in pieces].index("memory")] if memory else ()
+        edges = [one.name for one in before if one.name in ("threshold", "below")]
+        return self.place.name, self.term.coordinate.name, *edges, *([memory] if memory else [])
 
     @cached_property
     def unit(self) -> Unit:
