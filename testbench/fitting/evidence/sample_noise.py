@@ -117,7 +117,8 @@ def _moved_by_noise(
         there = model.simulate({**measurement.signals, **strains}, measurement.dt_s)
         for c, here in modelled.items():
             moved[c] += (channel_of(there, c) - here) ** 2
-    return {c: np.sqrt(uniform_filter1d(squares, WAVE)) for c, squares in moved.items()}
+    means = {c: uniform_filter1d(squares, WAVE) for c, squares in moved.items()}
+    return {c: np.sqrt(np.maximum(mean, 0.0)) for c, mean in means.items()}  # its running sum rounds to less than 0
 
 
 def _noise_by_level(
